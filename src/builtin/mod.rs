@@ -1,1 +1,139 @@
+//! The built-in functions: one table, one entry a function, with its signature, documentation and kernel.
+//!
+//! To add a function, add an entry to the file of its group. The resolver reads the signature, the
+//! evaluator calls the kernel, `pse doc` and `docs/builtins.md` print the documentation, and the tests run
+//! its examples; nothing else has to know.
 
+mod call;
+
+pub use call::{Call, Fault};
+
+use crate::lanes::{Arg, Isa};
+use crate::value::Value;
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+/// A built-in function.
+pub struct Builtin {
+    /// Its name in programs.
+    pub name: &'static str,
+    /// What it takes, in order.
+    pub params: &'static [Param],
+    /// What it does, in one line.
+    pub brief: &'static str,
+    /// More of it, in Markdown: ranges, units, edge cases, source. May be empty.
+    pub doc: &'static str,
+    /// At least one; each is run by the tests.
+    pub examples: &'static [Example],
+    /// How it is computed.
+    pub kernel: Kernel,
+}
+
+/// A parameter of a built-in function.
+#[derive(Clone, Copy, Debug)]
+pub struct Param {
+    /// Its name, for calls by name and for the documentation.
+    pub name: &'static str,
+    /// Its default as an expression of the language, such as `1` or `pixelsize`; `None` if it must be given.
+    pub default: Option<&'static str>,
+    /// What may be given.
+    pub kind: ParamKind,
+}
+
+/// What a parameter takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParamKind {
+    /// A value.
+    Value,
+    /// At least so many values; the last parameter only.
+    Rest(usize),
+    /// A string, one of these. The kernel gets its index as a uniform scalar.
+    Choice(&'static [&'static str]),
+}
+
+/// An expression, and an expression with the same value.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// For instance `max(1, [0 2])`.
+    pub code: &'static str,
+    /// For instance `[1 2]`.
+    pub gives: &'static str,
+}
+
+/// How a function is computed.
+#[derive(Clone, Copy)]
+pub enum Kernel {
+    /// Component by component, of one argument.
+    Map1(fn(Isa, &[f32], &mut [f32])),
+    /// Component by component, of two.
+    Map2(fn(Isa, Arg<'_>, Arg<'_>, &mut [f32])),
+    /// Component by component, of three, none of them uniform.
+    Map3(fn(Isa, &[f32], &[f32], &[f32], &mut [f32])),
+    /// Of any number: component by component from the left, as `max` of many is the `max` of two.
+    Fold(fn(Isa, Arg<'_>, Arg<'_>, &mut [f32])),
+    /// Whatever looks at whole values.
+    Whole(fn(&Call<'_>) -> Result<Value, Fault>),
+}
+
+/// A group of functions: a heading and its table, in the order of the documentation.
+pub struct Group {
+    /// The heading.
+    pub title: &'static str,
+    /// Its functions.
+    pub functions: &'static [Builtin],
+}
+
+/// Every built-in function by group.
+pub static GROUPS: &[Group] = &[];
+
+static BY_NAME: LazyLock<HashMap<&'static str, &'static Builtin>> =
+    LazyLock::new(|| all().map(|b| (b.name, b)).collect());
+
+/// Every built-in function.
+pub fn all() -> impl Iterator<Item = &'static Builtin> {
+    GROUPS.iter().flat_map(|g| g.functions)
+}
+
+/// The function of that name.
+pub fn find(name: &str) -> Option<&'static Builtin> {
+    BY_NAME.get(name).copied()
+}
+
+impl Param {
+    /// A parameter that must be given.
+    pub const fn new(name: &'static str) -> Param {
+        Param { name, default: None, kind: ParamKind::Value }
+    }
+
+    /// A parameter with a default, an expression of the language.
+    pub const fn or(name: &'static str, default: &'static str) -> Param {
+        Param { name, default: Some(default), kind: ParamKind::Value }
+    }
+
+    /// Any number of values, but at least so many.
+    pub const fn rest(name: &'static str, least: usize) -> Param {
+        Param { name, default: None, kind: ParamKind::Rest(least) }
+    }
+
+    /// A string out of a list; the first is the default.
+    pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Param {
+        Param { name, default: None, kind: ParamKind::Choice(of) }
+    }
+}
+
+impl Builtin {
+    /// As a call is written: `clamp(x, low = 0, high = 1)`.
+    pub fn signature(&self) -> String {
+        let params: Vec<String> = self
+            .params
+            .iter()
+            .map(|p| match (p.kind, p.default) {
+                (ParamKind::Rest(_), _) => format!("{}, …", p.name),
+                (ParamKind::Choice(of), _) => format!("{} = \"{}\"", p.name, of[0]),
+                (ParamKind::Value, Some(default)) => format!("{} = {default}", p.name),
+                (ParamKind::Value, None) => p.name.to_string(),
+            })
+            .collect();
+        format!("{}({})", self.name, params.join(", "))
+    }
+}

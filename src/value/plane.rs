@@ -1,0 +1,194 @@
+//! Planes of numbers, and the buffers they reuse.
+
+use bytemuck::{Pod, Zeroable};
+use std::cell::{Cell, RefCell};
+use std::fmt;
+use std::rc::Rc;
+
+/// Sixteen lanes on a cache line of their own, so that vector loads never straddle two.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Line([f32; 16]);
+
+// SAFETY: sixteen floats fill the 64 bytes exactly; every bit pattern is a float.
+unsafe impl Zeroable for Line {}
+// SAFETY: as above; `Line` is `Copy`, has no padding and no references.
+unsafe impl Pod for Line {}
+
+/// How many free buffers a thread keeps for reuse, in bytes.
+const KEPT: usize = 64 << 20;
+
+#[derive(Default)]
+struct Pool {
+    free: Vec<Rc<[Line]>>,
+    kept: usize,
+}
+
+thread_local! {
+    // The buffers that this thread's batches have done with. Last out, first in: it is still in the cache.
+    static POOL: RefCell<Pool> = RefCell::default();
+    static LIVE: Cell<usize> = const { Cell::new(0) };
+}
+
+/// Bytes in the buffers that this thread holds at the moment, without those kept for reuse.
+pub fn live_bytes() -> usize {
+    LIVE.get()
+}
+
+/// A shared buffer of one number a lane. It returns to its thread's pool when the last owner drops it.
+pub struct Lanes {
+    // Only `drop` takes it out.
+    buffer: Option<Rc<[Line]>>,
+}
+
+impl Lanes {
+    /// A buffer with room for `n` lanes, holding whatever was there before.
+    pub fn new(n: usize) -> Lanes {
+        let lines = n.div_ceil(16).max(1);
+        let reused = POOL.with_borrow_mut(|pool| {
+            let buffer = pool.free.pop()?;
+            pool.kept -= size_of_val(&*buffer);
+            Some(buffer)
+        });
+        let buffer = match reused {
+            Some(buffer) if buffer.len() == lines => buffer,
+            _ => std::iter::repeat_n(Line::zeroed(), lines).collect(),
+        };
+        LIVE.set(LIVE.get() + size_of_val(&*buffer));
+        Lanes { buffer: Some(buffer) }
+    }
+
+    /// A buffer that `fill` writes: it must write all `n` lanes.
+    pub fn filled(n: usize, fill: impl FnOnce(&mut [f32])) -> Lanes {
+        let mut lanes = Lanes::new(n);
+        fill(lanes.get_mut(n));
+        lanes
+    }
+
+    /// The first `n` lanes. A buffer may have room for more.
+    pub fn get(&self, n: usize) -> &[f32] {
+        match &self.buffer {
+            Some(buffer) => &bytemuck::cast_slice(buffer)[..n],
+            None => &[],
+        }
+    }
+
+    /// The first `n` lanes, as bits.
+    pub fn bits(&self, n: usize) -> &[u32] {
+        bytemuck::cast_slice(self.get(n))
+    }
+
+    /// The first `n` lanes for writing; a buffer with other owners is copied first.
+    pub fn get_mut(&mut self, n: usize) -> &mut [f32] {
+        let shared = self.buffer.as_mut().is_none_or(|b| Rc::get_mut(b).is_none());
+        if shared {
+            let mut copy = Lanes::new(n);
+            if let Some(Some(lines)) = copy.buffer.as_mut().map(Rc::get_mut) {
+                bytemuck::cast_slice_mut::<Line, f32>(lines)[..n].copy_from_slice(self.get(n));
+            }
+            *self = copy;
+        }
+        match self.buffer.as_mut().and_then(Rc::get_mut) {
+            Some(lines) => &mut bytemuck::cast_slice_mut(lines)[..n],
+            None => &mut [],
+        }
+    }
+
+    /// Are both the very same buffer?
+    pub fn same(&self, other: &Lanes) -> bool {
+        match (&self.buffer, &other.buffer) {
+            (Some(a), Some(b)) => Rc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+impl Clone for Lanes {
+    fn clone(&self) -> Lanes {
+        Lanes { buffer: self.buffer.clone() }
+    }
+}
+
+impl Drop for Lanes {
+    fn drop(&mut self) {
+        if let Some(buffer) = self.buffer.take()
+            && Rc::strong_count(&buffer) == 1
+        {
+            let bytes = size_of_val(&*buffer);
+            // A thread that ends may drop a value after its pool is gone.
+            let _ = LIVE.try_with(|live| live.set(live.get() - bytes));
+            let _ = POOL.try_with(|pool| {
+                let mut pool = pool.borrow_mut();
+                if pool.kept + bytes <= KEPT {
+                    pool.kept += bytes;
+                    pool.free.push(buffer);
+                }
+            });
+        }
+    }
+}
+
+impl fmt::Debug for Lanes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let n = self.buffer.as_ref().map_or(0, |b| b.len() * 16);
+        f.debug_list().entries(self.get(n)).finish()
+    }
+}
+
+/// One number a lane, or one for all.
+#[derive(Clone, Debug)]
+pub enum Plane {
+    /// The same in every lane.
+    Uniform(f32),
+    /// One a lane.
+    Varying(Lanes),
+}
+
+impl Plane {
+    /// A varying plane that `fill` writes: it must write all `n` lanes.
+    pub fn filled(n: usize, fill: impl FnOnce(&mut [f32])) -> Plane {
+        Plane::Varying(Lanes::filled(n, fill))
+    }
+
+    /// What one lane holds.
+    pub fn lane(&self, lane: usize) -> f32 {
+        match self {
+            Plane::Uniform(x) => *x,
+            Plane::Varying(lanes) => lanes.get(lane + 1)[lane],
+        }
+    }
+
+    /// The same numbers, one a lane.
+    pub fn spread(&self, n: usize) -> Lanes {
+        match self {
+            Plane::Uniform(x) => Lanes::filled(n, |out| out.fill(*x)),
+            Plane::Varying(lanes) => lanes.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shared_buffer_is_copied_before_it_is_written() {
+        let mut a = Lanes::filled(20, |x| x.fill(1.0));
+        let b = a.clone();
+        a.get_mut(20)[3] = 2.0;
+        assert_eq!((a.get(20)[3], b.get(20)[3]), (2.0, 1.0));
+        assert!(!a.same(&b));
+    }
+
+    #[test]
+    fn buffers_are_reused_and_counted() {
+        let before = live_bytes();
+        let address = {
+            let a = Lanes::new(100);
+            assert_eq!(live_bytes() - before, 7 * 64);
+            a.get(1).as_ptr()
+        };
+        assert_eq!(live_bytes(), before);
+        assert_eq!(Lanes::new(100).get(1).as_ptr(), address);
+    }
+}
