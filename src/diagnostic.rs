@@ -55,6 +55,11 @@ impl Sources {
         SourceId(self.list.len() as u32 - 1)
     }
 
+    /// The text of that name.
+    pub fn find(&self, name: &str) -> Option<SourceId> {
+        self.list.iter().position(|s| s.name == name).map(|i| SourceId(i as u32))
+    }
+
     /// The text that `id` names.
     pub fn get(&self, id: SourceId) -> &Source {
         &self.list[id.0 as usize]

@@ -1,1 +1,29 @@
+//! The evaluator: a walk over the resolved tree that visits each node once for a batch of pixels.
+//!
+//! [`run`] splits an image into batches and gives them to threads; a [`machine::Machine`] runs one batch
+//! after another. A batch has one shape for each value. Where its lanes part ways in shape it is cut and run
+//! again in pieces, down to one lane, which defines what a program means.
 
+mod bind;
+mod call;
+mod expr;
+mod fault;
+mod flow;
+mod host_function;
+mod index;
+mod limits;
+mod machine;
+mod ops;
+mod output;
+mod pixelsize;
+mod run;
+mod store;
+
+pub use bind::Missing;
+pub use host_function::{BatchArguments, BatchResult, HostFunction};
+pub use limits::Limits;
+pub use run::{Failure, Options, Progress, Report, eval_pixel, run};
+
+/// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
+/// spread the cost of a tree's walk, small enough that the planes of a program stay in the first-level cache.
+pub const BATCH: usize = 512;

@@ -1,1 +1,46 @@
+//! From the tree as written to a program that can run: every name gets a slot, every call its function and
+//! its arguments in order, and what depends on the frame alone is marked.
 
+pub mod names;
+pub mod tree;
+
+mod call;
+mod import;
+mod library;
+mod lower;
+mod rate;
+mod scope;
+
+pub use library::{Entry, entries as library_entries};
+pub use tree::Resolved;
+
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::eval::HostFunction;
+use crate::host::Host;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The functions that the embedding program gives, by name.
+pub type HostFunctions = HashMap<String, Arc<HostFunction>>;
+
+/// Reads and resolves a program called `name`. On failure: every error that could be found, and the texts they
+/// point into.
+pub fn resolve(
+    name: &str,
+    text: &str,
+    host: &dyn Host,
+    functions: &HostFunctions,
+) -> Result<Resolved, (Vec<Diagnostic>, Sources)> {
+    let mut sources = Sources::default();
+    let mut errors = Vec::new();
+    let files = import::gather(name, text, &mut sources, host, &mut errors);
+    let mut resolver = lower::Resolver::new(&mut sources, functions);
+    resolver.program(&files);
+    let mut resolved = resolver.finish();
+    // A statement that could not be read may hold the name that another one misses.
+    if errors.is_empty() {
+        errors = resolver.errors;
+    }
+    resolved.sources = sources;
+    if errors.is_empty() { Ok(resolved) } else { Err((errors, resolved.sources)) }
+}

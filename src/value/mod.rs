@@ -5,10 +5,12 @@
 //! lanes are active; lanes that are off hold numbers without meaning, which nothing may depend on.
 
 mod mask;
+mod pixel;
 mod plane;
 mod shapes;
 
 pub use mask::Mask;
+pub use pixel::PixelValue;
 pub use plane::{Lanes, Plane, live_bytes};
 pub use shapes::{Mismatch, binary, broadcast_shape, map_cells, map1, map3};
 

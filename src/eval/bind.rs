@@ -1,0 +1,291 @@
+//! Binds a program to an image: where the value of each outer variable comes from, and the frame's own run.
+
+use super::fault::Fault;
+use super::machine::{Machine, Pixels, Slot};
+use super::pixelsize;
+use super::run::{Failure, Options};
+use crate::diagnostic::Diagnostic;
+use crate::image::{Image, Variable};
+use crate::resolve::names;
+use crate::resolve::tree::*;
+use crate::value::{Mask, PixelValue, Value};
+use smallvec::smallvec;
+use std::sync::Arc;
+
+/// Says what a host knows of a variable that an image does not have, as hints to the user.
+pub type Missing = dyn Fn(&str) -> Vec<String> + Send + Sync;
+
+/// Where a variable's first value comes from.
+pub(super) enum Source<'r> {
+    /// Nowhere: the program assigns it.
+    Nowhere,
+    /// One value for the frame.
+    Uniform(PixelValue),
+    /// A variable of the image.
+    Input(&'r Variable<'r>),
+    /// `pixel`.
+    Position,
+    /// `pixelsize`, one a pixel.
+    PixelSize(Arc<[f32]>),
+    /// `pixel_freq`, from `pixelsize`.
+    PixelFreq(Arc<[f32]>),
+}
+
+/// A program's variables on one image.
+pub(super) struct Bound<'r> {
+    /// One a global.
+    pub sources: Vec<Source<'r>>,
+    width: usize,
+    origin: [i32; 2],
+    has: Vec<String>,
+    missing: Option<&'r Missing>,
+}
+
+impl Source<'_> {
+    /// May it differ from pixel to pixel?
+    pub fn varies(&self) -> bool {
+        !matches!(self, Source::Uniform(_) | Source::Nowhere)
+    }
+
+    /// The variable at the beginning of a batch.
+    pub fn slot(&self, pixels: Pixels<'_>, n: usize, bound: &Bound<'_>) -> Slot {
+        debug_assert_eq!(n, pixels.len());
+        let value = match self {
+            Source::Nowhere => return Slot::EMPTY,
+            Source::Uniform(value) => Value::from(value),
+            Source::Input(variable) => Value {
+                shape: variable.shape.clone(),
+                planes: variable.planes.iter().map(|p| pixels.gather(p)).collect(),
+            },
+            Source::Position => {
+                let (width, [x, y]) = (bound.width.max(1), bound.origin);
+                let column = move |i: usize| (i % width) as f32 + x as f32 + 0.5;
+                let row = move |i: usize| (i / width) as f32 + y as f32 + 0.5;
+                Value::vector(smallvec![pixels.map(column), pixels.map(row)])
+            }
+            Source::PixelSize(plane) => Value::scalar(pixels.gather(plane)),
+            Source::PixelFreq(plane) => Value::scalar(pixels.map(|i| 0.5 / plane[i])),
+        };
+        Slot::full(value)
+    }
+}
+
+impl Bound<'_> {
+    /// Column and row of a pixel in the display window.
+    pub fn position(&self, pixel: usize) -> [i32; 2] {
+        let width = self.width.max(1);
+        [(pixel % width) as i32 + self.origin[0], (pixel / width) as i32 + self.origin[1]]
+    }
+
+    /// What to tell who reads a variable that the image does not have.
+    pub fn missing_hint(&self, name: &str) -> Option<String> {
+        if self.has.iter().any(|v| v == name) || !names::USUAL_INPUTS.contains(&name) {
+            return None;
+        }
+        Some(self.missing_hints(name).join(" "))
+    }
+
+    fn missing_hints(&self, name: &str) -> Vec<String> {
+        if let Some(missing) = self.missing {
+            return missing(name);
+        }
+        if self.has.is_empty() {
+            return vec!["There is no input image.".into()];
+        }
+        vec![format!("The image has {}.", self.has.join(", "))]
+    }
+}
+
+/// Binds a program to an image and runs what runs once a frame.
+pub(super) fn bind<'r>(
+    program: &'r Resolved,
+    image: &'r Image<'r>,
+    options: &'r Options<'r>,
+) -> Result<Bound<'r>, Failure> {
+    let mut bound = Bound {
+        sources: Vec::new(),
+        width: image.width,
+        origin: image.metadata.origin,
+        has: image.variables.iter().map(|v| v.name.clone()).collect(),
+        missing: options.missing,
+    };
+    check_set(program, options)?;
+    let values = frame_values(program, image, options, &bound)?;
+    let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
+    let size: Option<Arc<[f32]>> = match options.pixelsize {
+        None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(image).into()),
+        _ => None,
+    };
+    let [columns, rows] = image.resolution();
+    for (global, value) in program.globals.iter().zip(values) {
+        let name = global.name.as_str();
+        let input = image.variable(name).filter(|_| !global.library);
+        let source = if let Some(value) = value {
+            Source::Uniform(value)
+        } else if let Some(value) = options.set_value(name).filter(|_| !global.library) {
+            Source::Uniform(value.clone())
+        } else if let Some(variable) = input {
+            Source::Input(variable)
+        } else if let Some(constant) = names::constant(name) {
+            Source::Uniform(constant_value(constant))
+        } else {
+            match (name, options.pixelsize, &size) {
+                ("frame", ..) => Source::Uniform(options.frame.into()),
+                ("begin_frame", ..) => Source::Uniform(0.0.into()),
+                ("resolution", ..) => Source::Uniform([columns as f32, rows as f32].into()),
+                ("pixel", ..) => Source::Position,
+                ("pixelsize", Some(size), _) => Source::Uniform(size.into()),
+                ("pixel_freq", Some(size), _) => Source::Uniform((0.5 / size).into()),
+                ("pixelsize", None, Some(plane)) => Source::PixelSize(plane.clone()),
+                ("pixel_freq", None, Some(plane)) => Source::PixelFreq(plane.clone()),
+                _ => Source::Nowhere,
+            }
+        };
+        bound.sources.push(source);
+    }
+    let errors = missing_inputs(program, &bound);
+    if errors.is_empty() { Ok(bound) } else { Err(Failure::Program(errors)) }
+}
+
+fn constant_value(constant: &names::Constant) -> PixelValue {
+    match constant.value {
+        [x] => (*x).into(),
+        vector => vector.into(),
+    }
+}
+
+/// What is set from outside must be something that the program has.
+fn check_set(program: &Resolved, options: &Options<'_>) -> Result<(), Failure> {
+    let mut errors = Vec::new();
+    for (name, _) in &options.set {
+        if program.slot(name).is_some() {
+            continue;
+        }
+        let known = program.params.iter().map(|p| p.name.as_str());
+        let error = Diagnostic::bare("name", format!("the program has no param {name} to set"));
+        let near = names::nearest(name, known.clone()).map(|n| format!("Did you mean {n}?"));
+        let list: Vec<&str> = known.collect();
+        let hint = near.unwrap_or_else(|| match list[..] {
+            [] => format!("It has no params; param {name} = 1 declares one."),
+            _ => format!("Its params are {}.", list.join(", ")),
+        });
+        errors.push(error.hint(hint));
+    }
+    if errors.is_empty() { Ok(()) } else { Err(Failure::Program(errors)) }
+}
+
+/// Runs params and `if begin_frame`: the values of the frame's variables.
+fn frame_values(
+    program: &Resolved,
+    image: &Image<'_>,
+    options: &Options<'_>,
+    bound: &Bound<'_>,
+) -> Result<Vec<Option<PixelValue>>, Failure> {
+    if program.params.is_empty() && program.frame.is_empty() {
+        return Ok(vec![None; program.globals.len()]);
+    }
+    let [columns, rows] = image.resolution();
+    let sources = program.globals.iter().map(|global| {
+        if let Some(value) = options.set_value(&global.name).filter(|_| !global.library) {
+            return Source::Uniform(value.clone());
+        }
+        match (global.name.as_str(), names::constant(&global.name)) {
+            (_, Some(constant)) => Source::Uniform(constant_value(constant)),
+            ("frame", _) => Source::Uniform(options.frame.into()),
+            ("begin_frame", _) => Source::Uniform(1.0.into()),
+            ("resolution", _) => Source::Uniform([columns as f32, rows as f32].into()),
+            _ => Source::Nowhere,
+        }
+    });
+    let frame = Bound {
+        sources: sources.collect(),
+        width: 1,
+        origin: [0, 0],
+        has: bound.has.clone(),
+        missing: bound.missing,
+    };
+    let mut machine = Machine::new(program, &frame, options.isa(), options.limits, options.cancel);
+    let mut run = || -> Result<(), Fault> {
+        machine.reset(1, true);
+        machine.load(Pixels::Run(0, 1));
+        for param in &program.params {
+            if let Some(range) = &param.range {
+                let value = machine.eval(range, &Mask::All)?;
+                let ends: Vec<f32> = value.lane(0).collect();
+                if value.shape != crate::shape::Shape::Vector(2) || !matches!(ends[..], [a, b] if a < b) {
+                    let message = format!("the range of {} is {}", param.name, value.show(0));
+                    let error = Diagnostic::error("param", message, range.span)
+                        .hint(format!("A range is written [low high]: param {} = 1 in [0 10].", param.name));
+                    return Err(machine.fault(error, 0));
+                }
+            }
+            let value = match options.set_value(&param.name) {
+                Some(value) => Value::from(value),
+                None => machine.eval(&param.value, &Mask::All)?,
+            };
+            machine.store(Place::Global(param.slot), value, &Mask::All)?;
+        }
+        machine.block(&program.frame, &Mask::All)?;
+        Ok(())
+    };
+    match run() {
+        Ok(()) => {}
+        Err(Fault::Error(error, _)) => return Err(Failure::Program(vec![*error])),
+        Err(Fault::Cancelled) => return Err(Failure::Cancelled),
+        // One lane is never cut and counts exactly.
+        Err(Fault::Split(_) | Fault::Count) => {
+            return Err(Failure::Program(vec![Diagnostic::bare("internal", "a frame's run was cut")]));
+        }
+    }
+    Ok(program
+        .globals
+        .iter()
+        .zip(&machine.globals)
+        .map(|(global, slot)| {
+            global.framed?;
+            slot.value.as_ref().map(|value| value.pixel(0))
+        })
+        .collect())
+}
+
+/// Names that are read and come from nowhere.
+fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
+    let nowhere = |(global, source): &(&Global, &Source<'_>)| {
+        matches!(source, Source::Nowhere)
+            && global.read.is_some()
+            && global.assigned.is_none()
+            && global.framed.is_none()
+            && !global.library
+    };
+    let known: Vec<&str> = program
+        .globals
+        .iter()
+        .filter(|g| !g.library && (g.assigned.is_some() || g.framed.is_some()))
+        .map(|g| g.name.as_str())
+        .chain(bound.has.iter().map(String::as_str))
+        .chain(names::CONSTANTS.iter().map(|c| c.name))
+        .chain(names::SYSTEM.iter().map(|(n, _)| *n))
+        .collect();
+    program
+        .globals
+        .iter()
+        .zip(&bound.sources)
+        .filter(nowhere)
+        .filter_map(|(global, _)| {
+            let name = global.name.as_str();
+            let span = global.read?;
+            if names::USUAL_INPUTS.contains(&name) || name.contains('.') {
+                let error = Diagnostic::error("input", format!("the input has no variable {name}"), span);
+                return Some(bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint));
+            }
+            let error = Diagnostic::error("name", format!("there is no variable {name}"), span)
+                .label(span, "nothing assigns it, and the input has none of that name");
+            let error = match names::nearest(name, known.iter().copied()) {
+                Some(near) => error.hint(format!("Did you mean {near}?")),
+                None => error.hint(format!("Give it a value in a line above: {name} = 1.")),
+            };
+            let has = bound.has.join(", ");
+            Some(if bound.has.is_empty() { error } else { error.hint(format!("The input has {has}.")) })
+        })
+        .collect()
+}

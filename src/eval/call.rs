@@ -1,0 +1,213 @@
+//! Calls: of the language's functions, of built-in ones, and of the host's.
+
+use super::fault::{Fault, Result};
+use super::host_function::HostFunction;
+use super::machine::{Frame, Machine};
+use crate::builtin::{self, Builtin, Kernel, map2};
+use crate::diagnostic::{Diagnostic, Span};
+use crate::resolve::tree::*;
+use crate::value::{Mask, Mismatch, PixelValue, Plane, Value};
+use smallvec::SmallVec;
+
+/// Stack that must be left for a call's evaluation to begin.
+const RED_ZONE: usize = 256 << 10;
+/// Stack that is added where less is left.
+const GROWTH: usize = 4 << 20;
+
+type Arguments = SmallVec<[Value; 4]>;
+
+impl<'r> Machine<'r> {
+    fn arguments(&mut self, args: &'r [Expr], mask: &Mask) -> Result<Arguments> {
+        let mut values = Arguments::new();
+        for arg in args {
+            values.push(self.eval(arg, mask)?);
+        }
+        Ok(values)
+    }
+
+    /// A call whose value is wanted.
+    pub fn call(&mut self, f: u32, args: &'r [Expr], span: Span, mask: &Mask) -> Result<Value> {
+        let (value, fell) = self.invoke(f, args, span, mask)?;
+        match value {
+            Some(value) if fell.is_none() => Ok(value),
+            _ => {
+                let function = &self.program.functions[f as usize];
+                let message = format!("{}() ended without return", function.name);
+                let error = Diagnostic::error("value", message, span)
+                    .label(span, "its value is wanted here")
+                    .label(function.span, "defined here")
+                    .hint("End every way through the function with return.");
+                let lane = self.first(if fell.is_none() { mask } else { &fell });
+                Err(self.fault(error, lane))
+            }
+        }
+    }
+
+    /// A call: what it returned, and the lanes that came to the end of its block without a return.
+    pub fn invoke(&mut self, f: u32, args: &'r [Expr], span: Span, mask: &Mask) -> Result<(Option<Value>, Mask)> {
+        let values = self.arguments(args, mask)?;
+        self.step(mask, span)?;
+        let program = self.program;
+        let function = &program.functions[f as usize];
+        if self.calls.len() >= self.limits.depth as usize {
+            let message = format!("calls inside of calls go deeper than {}", self.limits.depth);
+            let error = Diagnostic::error("limit", message, span)
+                .hint(format!("Does the recursion of {}() end? --max-depth allows more.", function.name));
+            return Err(self.fault(error, self.first(mask)));
+        }
+        let base = self.enter(values, function.locals.len(), mask);
+        let caller_base = std::mem::replace(&mut self.base, base);
+        self.frames.push(Frame { returned: None, lanes: Mask::None, caller_base });
+        self.calls.push((f, span));
+        // A break inside of the function has nothing to do with the caller's loops; the resolver saw to that.
+        let fell = stacker::maybe_grow(RED_ZONE, GROWTH, || self.block(&function.body, mask))?;
+        self.calls.pop();
+        self.locals.truncate(base);
+        let Some(frame) = self.frames.pop() else { return Ok((None, fell)) };
+        self.base = frame.caller_base;
+        Ok((frame.returned, fell))
+    }
+
+    pub fn call_builtin(
+        &mut self,
+        builtin: &'static Builtin,
+        args: &'r [Expr],
+        span: Span,
+        mask: &Mask,
+    ) -> Result<Value> {
+        let values = self.arguments(args, mask)?;
+        let (isa, n) = (self.isa, self.n);
+        let lengths = |a: usize, b: usize| move |m: Mismatch| (m, a, b);
+        let outcome = match builtin.kernel {
+            Kernel::Map1(kernel) => {
+                return Ok(crate::value::map1(&values[0], |a| match a {
+                    Plane::Uniform(x) => {
+                        let mut out = [0.0];
+                        kernel(isa, &[*x], &mut out);
+                        Plane::Uniform(out[0])
+                    }
+                    Plane::Varying(lanes) => Plane::filled(n, |out| kernel(isa, lanes.get(n), out)),
+                }));
+            }
+            Kernel::Map2(kernel) => {
+                let f = |a: &Plane, b: &Plane| map2(isa, n, a, b, kernel);
+                crate::value::binary(&values[0], &values[1], f).map_err(lengths(0, 1))
+            }
+            Kernel::Map3(kernel) => {
+                let f = |a: &Plane, b: &Plane, c: &Plane| match (a, b, c) {
+                    (Plane::Uniform(a), Plane::Uniform(b), Plane::Uniform(c)) => {
+                        let mut out = [0.0];
+                        kernel(isa, &[*a], &[*b], &[*c], &mut out);
+                        Plane::Uniform(out[0])
+                    }
+                    _ => {
+                        let (a, b, c) = (a.spread(n), b.spread(n), c.spread(n));
+                        Plane::filled(n, |out| kernel(isa, a.get(n), b.get(n), c.get(n), out))
+                    }
+                };
+                let clash = |m| {
+                    let shape = |i: usize| &values[i].shape;
+                    let differ = |a: usize, b: usize| crate::value::broadcast_shape(shape(a), shape(b)).is_err();
+                    let (a, b) = if differ(0, 1) { (0, 1) } else if differ(1, 2) { (1, 2) } else { (0, 2) };
+                    (m, a, b)
+                };
+                crate::value::map3(&values[0], &values[1], &values[2], f).map_err(clash)
+            }
+            Kernel::Fold(kernel) => {
+                let mut total = Ok(values[0].clone());
+                for (i, value) in values.iter().enumerate().skip(1) {
+                    let f = |a: &Plane, b: &Plane| map2(isa, n, a, b, kernel);
+                    total = total.and_then(|t| crate::value::binary(&t, value, f).map_err(lengths(i - 1, i)));
+                }
+                total
+            }
+            Kernel::Whole(kernel) => {
+                let max_cells = self.limits.cells;
+                let call = builtin::Call { isa, n, mask, args: &values, max_cells };
+                let value = kernel(&call).map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
+                if value.planes.len() > 4 {
+                    self.check_cells(value.planes.len(), span, mask)?;
+                    self.check_memory()?;
+                }
+                return Ok(value);
+            }
+        };
+        outcome.map_err(|(mismatch, a, b)| {
+            let lane = self.first(mask);
+            let message = format!(
+                "{}() meets vectors of different lengths, {} and {}",
+                builtin.name, mismatch.left, mismatch.right
+            );
+            let show = |i: usize| format!("{} {}", values[i].shape, values[i].show(lane));
+            let error = Diagnostic::error("shape", message, span)
+                .label(args[a].span, show(a))
+                .label(args[b].span, show(b))
+                .hint("It works component by component: vectors need the same length, or be scalars.");
+            self.fault(error, lane)
+        })
+    }
+
+    fn builtin_fault(
+        &self,
+        builtin: &Builtin,
+        fault: builtin::Fault,
+        values: &[Value],
+        args: &[Expr],
+        span: Span,
+        mask: &Mask,
+    ) -> Fault {
+        match fault {
+            builtin::Fault::Split(lanes) => Fault::Split(lanes),
+            builtin::Fault::Error { message, hint, arg, lane } => {
+                let lane = lane.unwrap_or_else(|| self.first(mask));
+                let place = arg.and_then(|i| args.get(i)).map_or(span, |e| e.span);
+                let message = format!("{}(): {message}", builtin.name);
+                let mut error = Diagnostic::error("call", message, place);
+                if let Some(value) = arg.and_then(|i| values.get(i)) {
+                    error = error.label(place, value.show(lane));
+                }
+                let usage = format!("It is called as {}.", builtin.signature());
+                error = error.hint(hint.unwrap_or(usage));
+                self.fault(error, lane)
+            }
+        }
+    }
+
+    pub fn call_host(&mut self, host: &HostFunction, args: &'r [Expr], span: Span, mask: &Mask) -> Result<Value> {
+        let values = self.arguments(args, mask)?;
+        let failed = |machine: &Machine<'_>, why: String, lane: usize| {
+            let error = Diagnostic::error("call", format!("{}(): {why}", host.name()), span);
+            machine.fault(error, lane)
+        };
+        if let Some(outcome) = host.call_batch(&values, self.n) {
+            return outcome.map_err(|why| failed(self, why, self.first(mask)));
+        }
+        let n = self.n;
+        let mut results: Vec<Option<PixelValue>> = vec![None; n];
+        let mut first: Option<usize> = None;
+        for lane in mask.lanes(n) {
+            let pixel: Vec<PixelValue> = values.iter().map(|v| v.pixel(lane)).collect();
+            let Some(outcome) = host.call_pixel(&pixel) else { break };
+            let value = outcome.map_err(|why| failed(self, why, lane))?;
+            first.get_or_insert(lane);
+            results[lane] = Some(value);
+        }
+        let Some(shape) = first.and_then(|lane| results[lane].as_ref()).map(|v| v.shape().clone()) else {
+            return Ok(Value::uniform(0.0));
+        };
+        let alike = |lane: usize| results[lane].as_ref().is_some_and(|v| *v.shape() == shape);
+        if !mask.lanes(n).all(alike) {
+            return Err(Fault::Split(Mask::from_fn(n, alike)));
+        }
+        let planes = (0..shape.cells())
+            .map(|cell| {
+                Plane::filled(n, |out| {
+                    for (out, result) in out.iter_mut().zip(&results) {
+                        *out = result.as_ref().map_or(0.0, |v| v.cells()[cell]);
+                    }
+                })
+            })
+            .collect();
+        Ok(Value { shape, planes })
+    }
+}

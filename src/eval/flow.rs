@@ -1,0 +1,153 @@
+//! Statements: each takes the lanes that reach it and gives the lanes that fall through.
+//!
+//! `break`, `continue` and `return` let none through; they note their lanes with the loop or the call that
+//! they leave. So there is no stack of masks to keep in balance.
+
+use super::fault::Result;
+use super::machine::{Loop, Machine, Slot, blend};
+use crate::diagnostic::Diagnostic;
+use crate::resolve::tree::*;
+use crate::value::{Mask, Value};
+
+impl<'r> Machine<'r> {
+    /// Runs statements in order, as long as a lane is left.
+    pub fn block(&mut self, block: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+        let mut mask = mask.clone();
+        for stmt in block {
+            if mask.is_none() {
+                break;
+            }
+            mask = self.exec(stmt, &mask)?;
+        }
+        Ok(mask)
+    }
+
+    fn exec(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
+        match &stmt.kind {
+            StmtKind::Assign { place, name, path, op, value } => {
+                self.assign(*place, *name, path, *op, value, mask)?;
+                Ok(mask.clone())
+            }
+            StmtKind::Expr(e) => {
+                match &e.kind {
+                    // A call whose value nobody wants need not return one.
+                    ExprKind::Call(f, args) => drop(self.invoke(*f, args, e.span, mask)?),
+                    _ => drop(self.eval(e, mask)?),
+                }
+                Ok(mask.clone())
+            }
+            StmtKind::If(arms, otherwise) => self.branch(arms, otherwise, mask),
+            StmtKind::While(condition, body) => self.while_loop(condition, body, mask),
+            StmtKind::For(place, vector, body) => self.for_loop(*place, vector, body, mask),
+            StmtKind::Break => {
+                let n = self.n;
+                if let Some(innermost) = self.loops.last_mut() {
+                    innermost.broken = innermost.broken.or(mask, n);
+                }
+                Ok(Mask::None)
+            }
+            StmtKind::Continue => {
+                let n = self.n;
+                if let Some(innermost) = self.loops.last_mut() {
+                    innermost.continued = innermost.continued.or(mask, n);
+                }
+                Ok(Mask::None)
+            }
+            StmtKind::Return(e) => {
+                let value = self.eval(e, mask)?;
+                let n = self.n;
+                if let Some(frame) = self.frames.last_mut() {
+                    frame.returned = Some(match frame.returned.take() {
+                        Some(old) => blend(mask, &value, &old, n)?,
+                        None => value,
+                    });
+                    frame.lanes = frame.lanes.or(mask, n);
+                }
+                Ok(Mask::None)
+            }
+        }
+    }
+
+    fn branch(&mut self, arms: &'r [(Expr, Vec<Stmt>)], otherwise: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+        let n = self.n;
+        let mut through = Mask::None;
+        let mut open = mask.clone();
+        for (condition, block) in arms {
+            let value = self.eval(condition, &open)?;
+            let (yes, no) = self.split(&value, condition.span, &open)?;
+            if !yes.is_none() {
+                through = through.or(&self.block(block, &yes)?, n);
+            }
+            open = no;
+            if open.is_none() {
+                return Ok(self.rejoin(through, mask));
+            }
+        }
+        let rest = self.block(otherwise, &open)?;
+        Ok(self.rejoin(through.or(&rest, n), mask))
+    }
+
+    /// A mask that has all the lanes of another again is that one: later subset tests then cost nothing.
+    fn rejoin(&self, joined: Mask, whole: &Mask) -> Mask {
+        if whole.is_subset(&joined, self.n) { whole.clone() } else { joined }
+    }
+
+    fn while_loop(&mut self, condition: &'r Expr, body: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+        let n = self.n;
+        let mut left = Mask::None;
+        let mut active = mask.clone();
+        while !active.is_none() {
+            self.step(&active, condition.span)?;
+            let value = self.eval(condition, &active)?;
+            let (yes, no) = self.split(&value, condition.span, &active)?;
+            left = left.or(&no, n);
+            if yes.is_none() {
+                break;
+            }
+            (active, left) = self.round(body, &yes, left)?;
+        }
+        Ok(self.rejoin(left, mask))
+    }
+
+    /// One round of a loop's block: the lanes that go on, and those that have left the loop.
+    fn round(&mut self, body: &'r [Stmt], mask: &Mask, left: Mask) -> Result<(Mask, Mask)> {
+        let n = self.n;
+        self.loops.push(Loop { broken: Mask::None, continued: Mask::None });
+        let fell = self.block(body, mask)?;
+        let Some(round) = self.loops.pop() else { return Ok((Mask::None, left)) };
+        Ok((fell.or(&round.continued, n), left.or(&round.broken, n)))
+    }
+
+    fn for_loop(&mut self, place: Place, vector: &'r Expr, body: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+        let n = self.n;
+        // The loop goes over the vector as it was, whatever its block assigns.
+        let elements = self.eval(vector, mask)?;
+        let Some(count) = elements.shape.len() else {
+            let lane = self.first(mask);
+            let error = Diagnostic::error("shape", "for needs a vector to go through", vector.span)
+                .label(vector.span, format!("a scalar, {}", elements.show(lane)))
+                .hint("To count write a range, as in: for i in [1 .. 10]");
+            return Err(self.fault(error, lane));
+        };
+        let mut left = Mask::None;
+        let mut active = mask.clone();
+        for i in 0..count {
+            if active.is_none() {
+                break;
+            }
+            self.step(&active, vector.span)?;
+            self.store(place, elements.element(i), &active)?;
+            (active, left) = self.round(body, &active, left)?;
+        }
+        let through = left.or(&active, n);
+        Ok(self.rejoin(through, mask))
+    }
+
+    /// Room for a call's locals, the arguments in the first of them.
+    pub fn enter(&mut self, args: impl IntoIterator<Item = Value>, locals: usize, mask: &Mask) -> usize {
+        let base = self.locals.len();
+        self.locals.extend(args.into_iter().map(|v| Slot { value: Some(v), defined: mask.clone() }));
+        self.locals.resize(base + locals, Slot::EMPTY);
+        base
+    }
+}

@@ -1,0 +1,112 @@
+//! Elements of vectors: `v[i]`, `v[[3 2 1]]`, `v.y`.
+
+use super::fault::{Fault, Result};
+use super::machine::Machine;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::shape::Shape;
+use crate::value::{Mask, Plane, Value, number};
+
+/// What an index picks in the active lanes.
+pub(super) enum Picked {
+    /// The same element in every lane, counted from 0; it may be out of range.
+    One(usize),
+    /// One a lane, counted from 0, all in range; lanes that are off say 0.
+    Lanes(Vec<u32>),
+}
+
+impl Machine<'_> {
+    /// `value[index]`.
+    pub fn index(&self, value: &Value, index: &Value, span: Span, index_span: Span, mask: &Mask) -> Result<Value> {
+        if value.shape.is_scalar() {
+            return Err(self.no_vector(value, span, mask));
+        }
+        if index.shape != Shape::Scalar {
+            let picked: Result<Vec<Value>> =
+                index.elements().map(|i| self.index(value, &i, span, index_span, mask)).collect();
+            return Ok(Value::vector_of(picked?));
+        }
+        match self.pick(value, &index.planes[0], value.shape.len().unwrap_or(0), index_span, mask)? {
+            Picked::One(i) => Ok(value.element(i)),
+            Picked::Lanes(which) => {
+                let n = self.n;
+                let first = which[self.first(mask)];
+                let shape = value.shape.element(first as usize);
+                let uneven = value.shape.elements().any(|s| s != shape);
+                if uneven {
+                    // Elements of different shapes: lanes with the same element go together.
+                    return Err(Fault::Split(Mask::from_fn(n, |i| which[i] == first)));
+                }
+                let cells = shape.cells();
+                let planes = (0..cells)
+                    .map(|cell| {
+                        Plane::filled(n, |out| {
+                            for (lane, out) in out.iter_mut().enumerate() {
+                                *out = value.planes[which[lane] as usize * cells + cell].lane(lane);
+                            }
+                        })
+                    })
+                    .collect();
+                Ok(Value { shape, planes })
+            }
+        }
+    }
+
+    /// Rounds indices to elements and checks that there are such: 1 to `last`.
+    pub fn pick(&self, value: &Value, index: &Plane, last: usize, span: Span, mask: &Mask) -> Result<Picked> {
+        let check = |x: f32, lane: usize| -> Result<usize> {
+            let i = crate::math::round(x);
+            if i >= 1.0 && i <= last as f32 {
+                return Ok(i as usize - 1);
+            }
+            let count = value.shape.len().unwrap_or(0);
+            let message = match count {
+                0 => format!("there is no element {} in an empty vector", number(x)),
+                1 => format!("there is no element {} in a vector of 1", number(x)),
+                _ => format!("there is no element {} in a vector of {count}", number(x)),
+            };
+            let shown = if value.shape.len().is_some_and(|n| n <= 8) { value.show(lane) } else { String::new() };
+            let mut error = Diagnostic::error("index", message, span);
+            if !shown.is_empty() {
+                error = error.label(span, format!("the vector is {shown}"));
+            }
+            error = match count {
+                0 => error.hint("A vector grows one element at a time: assign to [1] first."),
+                _ if i == 0.0 => error.hint(format!("Elements are counted from 1: [1] to [{count}].")),
+                _ => error.hint(format!("It has the elements [1] to [{count}].")),
+            };
+            Err(self.fault(error, lane))
+        };
+        match index {
+            Plane::Uniform(x) => Ok(Picked::One(check(*x, self.first(mask))?)),
+            Plane::Varying(lanes) => {
+                let lanes = lanes.get(self.n);
+                let mut which = vec![0u32; self.n];
+                for lane in mask.lanes(self.n) {
+                    which[lane] = check(lanes[lane], lane)? as u32;
+                }
+                Ok(Picked::Lanes(which))
+            }
+        }
+    }
+
+    /// `value.y` and the like.
+    pub fn component(&self, value: &Value, i: u32, base: Span, span: Span, mask: &Mask) -> Result<Value> {
+        let Some(count) = value.shape.len() else { return Err(self.no_vector(value, base, mask)) };
+        if (i as usize) < count {
+            return Ok(value.element(i as usize));
+        }
+        let lane = self.first(mask);
+        let letter = ["x", "y", "z", "w"].get(i as usize).copied().unwrap_or("x");
+        let message = format!("there is no component .{letter} in {}", value.shape);
+        let error = Diagnostic::error("index", message, span).label(base, value.show(lane));
+        Err(self.fault(error, lane))
+    }
+
+    fn no_vector(&self, value: &Value, span: Span, mask: &Mask) -> Fault {
+        let lane = self.first(mask);
+        let error = Diagnostic::error("shape", "a scalar has no elements", span)
+            .label(span, format!("a scalar, {}", value.show(lane)))
+            .hint("Only vectors have elements and components.");
+        self.fault(error, lane)
+    }
+}

@@ -1,0 +1,333 @@
+//! The state of one thread's evaluation: variables, calls, and the count of steps.
+
+use super::bind::Bound;
+use super::fault::{Fault, Result};
+use super::limits::Limits;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::lanes::Isa;
+use crate::resolve::tree::*;
+use crate::value::{Lanes, Mask, Plane, Value, live_bytes};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A variable: its value, and the lanes in which it has one.
+#[derive(Clone, Debug)]
+pub(super) struct Slot {
+    pub value: Option<Value>,
+    pub defined: Mask,
+}
+
+impl Slot {
+    pub const EMPTY: Slot = Slot { value: None, defined: Mask::None };
+
+    /// A variable that every lane has.
+    pub fn full(value: Value) -> Slot {
+        Slot { value: Some(value), defined: Mask::All }
+    }
+}
+
+/// The lanes that left a loop's round early.
+pub(super) struct Loop {
+    pub broken: Mask,
+    pub continued: Mask,
+}
+
+/// What a running call has returned so far.
+pub(super) struct Frame {
+    pub returned: Option<Value>,
+    pub lanes: Mask,
+    /// Where the caller's locals begin.
+    pub caller_base: usize,
+}
+
+/// Runs batches of one program, bound to one image, on one thread.
+pub(super) struct Machine<'r> {
+    pub program: &'r Resolved,
+    pub bound: &'r Bound<'r>,
+    pub isa: Isa,
+    pub limits: Limits,
+    pub cancel: Option<&'r AtomicBool>,
+    /// Lanes of the batch that runs.
+    pub n: usize,
+    pub globals: Vec<Slot>,
+    pub locals: Vec<Slot>,
+    /// Where the running call's locals begin.
+    pub base: usize,
+    pub loops: Vec<Loop>,
+    pub frames: Vec<Frame>,
+    /// The calls that led here, outermost first.
+    pub calls: Vec<(u32, Span)>,
+    /// Values of [`ExprKind::Kept`].
+    pub kept: Vec<Option<Value>>,
+    /// Steps of the batch: no lane has taken more.
+    steps: u64,
+    /// Steps of each lane, once the batch's are too many.
+    counts: Option<Vec<u32>>,
+}
+
+impl<'r> Machine<'r> {
+    pub fn new(
+        program: &'r Resolved,
+        bound: &'r Bound<'r>,
+        isa: Isa,
+        limits: Limits,
+        cancel: Option<&'r AtomicBool>,
+    ) -> Machine<'r> {
+        Machine {
+            program,
+            bound,
+            isa,
+            limits,
+            cancel,
+            n: 1,
+            globals: vec![Slot::EMPTY; program.globals.len()],
+            locals: Vec::new(),
+            base: 0,
+            loops: Vec::new(),
+            frames: Vec::new(),
+            calls: Vec::new(),
+            kept: vec![None; program.kept],
+            steps: 0,
+            counts: None,
+        }
+    }
+
+    /// Forgets the last batch. `count`: count each lane's steps by itself.
+    pub fn reset(&mut self, n: usize, count: bool) {
+        self.n = n;
+        self.locals.clear();
+        self.base = 0;
+        self.loops.clear();
+        self.frames.clear();
+        self.calls.clear();
+        self.steps = 0;
+        self.counts = count.then(|| vec![0; n]);
+    }
+
+    /// Counts a round of a loop or a call for the active lanes.
+    pub fn step(&mut self, mask: &Mask, span: Span) -> Result<()> {
+        self.charge(1, mask, span)
+    }
+
+    /// Counts so many steps.
+    pub fn charge(&mut self, steps: u32, mask: &Mask, span: Span) -> Result<()> {
+        self.steps += u64::from(steps);
+        if let Some(cancel) = self.cancel
+            && self.steps & 63 < u64::from(steps)
+            && cancel.load(Ordering::Relaxed)
+        {
+            return Err(Fault::Cancelled);
+        }
+        if self.steps <= u64::from(self.limits.steps) {
+            return Ok(());
+        }
+        let limit = self.limits.steps;
+        let n = self.n;
+        if n > 1 {
+            let Some(counts) = &mut self.counts else { return Err(Fault::Count) };
+            let mut over = None;
+            for lane in mask.lanes(n) {
+                counts[lane] = counts[lane].saturating_add(steps);
+                if counts[lane] > limit && over.is_none() {
+                    over = Some(lane);
+                }
+            }
+            if over.is_none() {
+                return Ok(());
+            }
+        }
+        let lane = match &self.counts {
+            Some(counts) if n > 1 => counts.iter().position(|&c| c > limit).unwrap_or(0),
+            _ => 0,
+        };
+        let error = Diagnostic::error("limit", format!("the program took more than {limit} steps"), span)
+            .hint(
+                "Does the loop end? Look whether what its condition tests is changed in its block. Rounds of loops \
+                 and calls count as steps; --max-steps allows more.",
+            );
+        Err(self.fault(error, lane))
+    }
+
+    /// An error at a lane, with the calls that led to it.
+    pub fn fault(&self, mut error: Diagnostic, lane: usize) -> Fault {
+        error.trace = self
+            .calls
+            .iter()
+            .rev()
+            .take(8)
+            .map(|(f, span)| (self.program.functions[*f as usize].name.clone(), *span))
+            .collect();
+        Fault::Error(Box::new(error), lane)
+    }
+
+    /// The first active lane, where errors of all lanes are reported.
+    pub fn first(&self, mask: &Mask) -> usize {
+        mask.first(self.n).unwrap_or(0)
+    }
+
+    /// The slot of a variable.
+    pub fn slot(&mut self, place: Place) -> &mut Slot {
+        match place {
+            Place::Global(i) => &mut self.globals[i as usize],
+            Place::Local(i) => &mut self.locals[self.base + i as usize],
+        }
+    }
+
+    /// The name of a variable.
+    pub fn name(&self, place: Place) -> &str {
+        match place {
+            Place::Global(i) => &self.program.globals[i as usize].name,
+            Place::Local(i) => {
+                let function = self.calls.last().map_or(0, |(f, _)| *f);
+                &self.program.functions[function as usize].locals[i as usize]
+            }
+        }
+    }
+
+    /// A variable's value, which every active lane must have.
+    pub fn read(&mut self, place: Place, span: Span, mask: &Mask) -> Result<&Value> {
+        let n = self.n;
+        let slot = match place {
+            Place::Global(i) => &self.globals[i as usize],
+            Place::Local(i) => &self.locals[self.base + i as usize],
+        };
+        if slot.value.is_none() || !mask.is_subset(&slot.defined, n) {
+            let lane = mask.minus(&slot.defined, n).first(n).unwrap_or(0);
+            return Err(self.no_value(place, span, lane));
+        }
+        let slot = match place {
+            Place::Global(i) => &self.globals[i as usize],
+            Place::Local(i) => &self.locals[self.base + i as usize],
+        };
+        // Just tested: it has one.
+        slot.value.as_ref().ok_or(Fault::Cancelled)
+    }
+
+    fn no_value(&self, place: Place, span: Span, lane: usize) -> Fault {
+        let name = self.name(place);
+        let mut error = Diagnostic::error("value", format!("{name} has no value yet"), span)
+            .label(span, "read before anything was assigned to it at this pixel");
+        error = match place {
+            Place::Local(_) => {
+                let outer = self.program.globals.iter().any(|g| g.name == name && !g.library);
+                if outer {
+                    error.hint(format!(
+                        "A function that assigns {name} has a {name} of its own; it cannot change the outer one. \
+                         Return the new value, or use another name inside."
+                    ))
+                } else {
+                    error.hint(format!("Give {name} a value on every way that leads here."))
+                }
+            }
+            Place::Global(_) => error.hint(format!(
+                "Give {name} a value on every way that leads here, for instance {name} = 0 before the if."
+            )),
+        };
+        if let Place::Global(_) = place
+            && let Some(hint) = self.bound.missing_hint(name)
+        {
+            error = error.hint(hint);
+        }
+        self.fault(error, lane)
+    }
+
+    /// Stores a value in the active lanes of a variable. It stays uniform only if no other lane has a value.
+    pub fn store(&mut self, place: Place, value: Value, mask: &Mask) -> Result<()> {
+        self.check_memory()?;
+        let n = self.n;
+        let slot = self.slot(place);
+        if slot.value.is_none() || slot.defined.is_subset(mask, n) {
+            *slot = Slot { value: Some(value), defined: mask.clone() };
+            return Ok(());
+        }
+        if let Some(old) = slot.value.take() {
+            slot.value = Some(blend(mask, &value, &old, n)?);
+        }
+        slot.defined = slot.defined.or(mask, n);
+        Ok(())
+    }
+
+    /// Ends a program that holds too much. A batch is cut in half first.
+    pub fn check_memory(&self) -> Result<()> {
+        if live_bytes() <= self.limits.memory {
+            return Ok(());
+        }
+        if self.n > 1 {
+            let half = self.n / 2;
+            return Err(Fault::Split(Mask::from_fn(self.n, |i| i < half)));
+        }
+        let megabytes = self.limits.memory >> 20;
+        let message = format!("the program's variables take more than {megabytes} megabytes at this pixel");
+        Err(self.fault(Diagnostic::bare("limit", message).hint("--max-memory allows more."), 0))
+    }
+
+    /// Fills the variables that the program may change, and those that differ from pixel to pixel.
+    pub fn load(&mut self, pixels: Pixels<'_>) {
+        let n = pixels.len();
+        for (i, global) in self.program.globals.iter().enumerate() {
+            let source = &self.bound.sources[i];
+            if global.assigned.is_some() || source.varies() {
+                self.globals[i] = source.slot(pixels, n, self.bound);
+            } else if self.globals[i].value.is_none() {
+                self.globals[i] = source.slot(pixels, n, self.bound);
+            }
+        }
+    }
+}
+
+/// The new value in the lanes of the mask, the old one in the rest. Their shapes must agree.
+pub(super) fn blend(mask: &Mask, new: &Value, old: &Value, n: usize) -> Result<Value> {
+    if new.shape != old.shape {
+        return Err(Fault::Split(mask.clone()));
+    }
+    let planes = new.planes.iter().zip(&old.planes).map(|(new, old)| mask.select(new, old, n)).collect();
+    Ok(Value { shape: new.shape.clone(), planes })
+}
+
+/// The pixels of a batch, as indices into an image's planes: in a row, or any.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pixels<'a> {
+    /// The first, and how many follow each other.
+    Run(usize, usize),
+    /// Ascending.
+    List(&'a [u32]),
+}
+
+impl Pixels<'_> {
+    pub fn len(self) -> usize {
+        match self {
+            Pixels::Run(_, n) => n,
+            Pixels::List(list) => list.len(),
+        }
+    }
+
+    /// The pixel of a lane.
+    pub fn at(self, lane: usize) -> usize {
+        match self {
+            Pixels::Run(start, _) => start + lane,
+            Pixels::List(list) => list[lane] as usize,
+        }
+    }
+
+    /// What a plane of the image holds at these pixels.
+    pub fn gather(self, plane: &[f32]) -> Plane {
+        let n = self.len();
+        Plane::Varying(Lanes::filled(n, |out| match self {
+            Pixels::Run(start, n) => out.copy_from_slice(&plane[start..start + n]),
+            Pixels::List(list) => {
+                for (out, &pixel) in out.iter_mut().zip(list) {
+                    *out = plane[pixel as usize];
+                }
+            }
+        }))
+    }
+
+    /// What `f` of the pixel's index gives.
+    pub fn map(self, f: impl Fn(usize) -> f32) -> Plane {
+        let n = self.len();
+        Plane::filled(n, |out| {
+            for (lane, out) in out.iter_mut().enumerate() {
+                *out = f(self.at(lane));
+            }
+        })
+    }
+}

@@ -1,0 +1,141 @@
+//! The output variables: their shapes over all pixels, and the planes they are written to.
+
+use super::machine::{Machine, Pixels};
+use crate::image::Variable;
+use crate::resolve::tree::Resolved;
+use crate::shape::Shape;
+use crate::value::{Mask, Plane};
+
+/// A variable to write.
+pub(super) struct Output<'r> {
+    pub name: String,
+    /// Its slot, if the program assigns it.
+    pub slot: Option<u32>,
+    /// The input variable that passes through, if it does not.
+    pub input: Option<&'r Variable<'r>>,
+    /// The shape of its planes; grows from a scalar to a vector when a pixel needs it.
+    pub shape: Shape,
+    /// A pixel that has this shape.
+    pub seen: Option<usize>,
+}
+
+/// A pixel's value does not fit the planes.
+pub(super) struct Misfit {
+    /// Which output.
+    pub output: usize,
+    /// What the pixel has.
+    pub shape: Shape,
+    /// The pixel.
+    pub pixel: usize,
+}
+
+impl Output<'_> {
+    /// Does it hold a colour?
+    fn is_color(&self) -> bool {
+        self.name == "color"
+    }
+
+    /// The shape in which an output of that shape is written: a scalar colour is grey.
+    pub fn written(name: &str, shape: &Shape) -> Shape {
+        if name == "color" && shape.is_scalar() { Shape::Vector(3) } else { shape.clone() }
+    }
+
+    /// The shape that holds both; `None` if no shape does.
+    pub fn join(&self, found: &Shape) -> Option<Shape> {
+        let found = Output::written(&self.name, found);
+        match (&self.shape, &found) {
+            (a, b) if a == b => Some(found),
+            (Shape::Vector(3), Shape::Vector(4)) | (Shape::Vector(4), Shape::Vector(3)) if self.is_color() => {
+                Some(Shape::Vector(4))
+            }
+            (shape, _) if self.seen.is_none() && self.color_has(&found) => {
+                let _ = shape;
+                Some(found)
+            }
+            (Shape::Scalar, _) => Some(found),
+            (shape, Shape::Scalar) => Some(shape.clone()),
+            _ => None,
+        }
+    }
+
+    /// Can it be a colour, if it has to be one?
+    pub fn color_has(&self, shape: &Shape) -> bool {
+        !self.is_color() || matches!(shape, Shape::Scalar | Shape::Vector(3 | 4))
+    }
+}
+
+/// Writes what a batch left in the output variables to the planes, `planes[output][cell]`, at `pixels` counted
+/// from `start`. Lanes without a value are 0.
+pub(super) fn write(
+    outputs: &[Output<'_>],
+    machine: &Machine<'_>,
+    pixels: Pixels<'_>,
+    start: usize,
+    planes: &mut [Vec<&mut [f32]>],
+) -> Result<(), Misfit> {
+    let n = pixels.len();
+    for (k, output) in outputs.iter().enumerate() {
+        let Some(slot) = output.slot.map(|i| &machine.globals[i as usize]) else {
+            continue;
+        };
+        let Some(value) = &slot.value else { continue };
+        let Some(first) = slot.defined.first(n) else { continue };
+        let written = Output::written(&output.name, &value.shape);
+        if output.join(&value.shape).as_ref() != Some(&output.shape) || !output.color_has(&value.shape) {
+            return Err(Misfit { output: k, shape: value.shape.clone(), pixel: pixels.at(first) });
+        }
+        let opaque = Plane::Uniform(1.0);
+        for (cell, out) in planes[k].iter_mut().enumerate() {
+            let plane = if value.shape.is_scalar() && cell < 3 {
+                &value.planes[0]
+            } else if value.shape.is_scalar() && !output.is_color() {
+                &value.planes[0]
+            } else if cell < written.cells() && !value.shape.is_scalar() {
+                &value.planes[cell]
+            } else {
+                &opaque
+            };
+            put(plane, &slot.defined, pixels, start, out);
+        }
+    }
+    Ok(())
+}
+
+fn put(plane: &Plane, defined: &Mask, pixels: Pixels<'_>, start: usize, out: &mut [f32]) {
+    let n = pixels.len();
+    match (pixels, defined, plane) {
+        (Pixels::Run(first, n), Mask::All, Plane::Varying(lanes)) => {
+            out[first - start..][..n].copy_from_slice(lanes.get(n));
+        }
+        (Pixels::Run(first, n), Mask::All, Plane::Uniform(x)) => out[first - start..][..n].fill(*x),
+        _ => {
+            for lane in defined.lanes(n) {
+                out[pixels.at(lane) - start] = plane.lane(lane);
+            }
+        }
+    }
+}
+
+/// The pixels, of `n` in a row, in which some plane holds NaN or an infinity.
+pub(super) fn not_finite(planes: &[Vec<&mut [f32]>], n: usize) -> usize {
+    const EXPONENT: u32 = 0x7f80_0000;
+    let odd = |x: &f32| x.to_bits() & EXPONENT == EXPONENT;
+    let touched: Vec<&[f32]> = planes
+        .iter()
+        .flatten()
+        .map(|p| &**p)
+        .filter(|p| p.iter().fold(false, |any, x| any | odd(x)))
+        .collect();
+    if touched.is_empty() { 0 } else { (0..n).filter(|&i| touched.iter().any(|p| odd(&p[i]))).count() }
+}
+
+/// Which variables to write: those asked for, or `color` (and `alpha`), or all that the program assigns.
+pub(super) fn default_names(program: &Resolved) -> Vec<String> {
+    let assigned: Vec<&str> = program.assigned().collect();
+    let color = program.by_normal.is_some() || assigned.contains(&"color");
+    if color {
+        let alpha = assigned.contains(&"alpha").then(|| "alpha".to_string());
+        return std::iter::once("color".to_string()).chain(alpha).collect();
+    }
+    assigned.into_iter().map(String::from).collect()
+}

@@ -1,0 +1,504 @@
+//! A program on a whole image: batches, threads, and what comes out.
+
+use super::bind::{Bound, Missing, bind};
+use super::fault::Fault;
+use super::limits::Limits;
+use super::machine::{Machine, Pixels};
+use super::output::{self, Misfit, Output};
+use crate::diagnostic::Diagnostic;
+use crate::image::{Image, Variable};
+use crate::lanes::Isa;
+use crate::resolve::Resolved;
+use crate::shape::Shape;
+use crate::value::{Mask, PixelValue};
+use std::borrow::Cow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Pixels that a thread takes at a time.
+const CHUNK: usize = 16 * super::BATCH;
+
+/// How many pixels are tried first, for the shapes of the outputs.
+const SAMPLES: usize = 9;
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Pixels done.
+    pub done: usize,
+    /// Pixels in all.
+    pub total: usize,
+}
+
+/// How to run a program.
+#[derive(Clone, Default)]
+pub struct Options<'o> {
+    /// The value of `frame`.
+    pub frame: f32,
+    /// Values for params and other variables, by name.
+    pub set: Vec<(String, PixelValue)>,
+    /// `pixelsize` at every pixel, instead of what `point` tells.
+    pub pixelsize: Option<f32>,
+    /// The variables to write; `None`: `color` (and `alpha`), or all that a program without colour assigns.
+    pub outputs: Option<Vec<String>>,
+    /// Threads; `None`: as many as rayon's current pool has.
+    pub threads: Option<usize>,
+    /// Lanes of a batch; `None`: [`super::BATCH`]. The result is the same for all.
+    pub batch: Option<usize>,
+    /// The instruction set; `None`: the best that this machine has. The result is the same for all.
+    pub isa: Option<Isa>,
+    /// What a pixel may use up.
+    pub limits: Limits,
+    /// Set from another thread, it ends the run soon.
+    pub cancel: Option<&'o AtomicBool>,
+    /// Called from any of the threads from time to time.
+    pub progress: Option<&'o (dyn Fn(Progress) + Sync)>,
+    /// Says more about variables that an image does not have.
+    pub missing: Option<&'o Missing>,
+}
+
+impl Options<'_> {
+    pub(super) fn isa(&self) -> Isa {
+        self.isa.unwrap_or_else(Isa::detect)
+    }
+
+    pub(super) fn set_value(&self, name: &str) -> Option<&PixelValue> {
+        self.set.iter().rev().find(|(n, _)| n == name).map(|(_, v)| v)
+    }
+}
+
+/// Why there is no result.
+#[derive(Clone, Debug)]
+pub enum Failure {
+    /// The program does not fit the image, or went wrong at a pixel: the first in reading order that did.
+    Program(Vec<Diagnostic>),
+    /// [`Options::cancel`] was set.
+    Cancelled,
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The output variables.
+    pub image: Image<'static>,
+    /// Pixels in which some output is NaN or infinite.
+    pub not_finite: usize,
+    /// The program gave no colour, but changed `normal`: `color` shows the surface by that normal.
+    pub by_normal: bool,
+    /// Threads that ran.
+    pub threads: usize,
+}
+
+/// Runs a program at every pixel of an image.
+pub fn run(program: &Resolved, image: &Image<'_>, options: &Options<'_>) -> Result<Report, Failure> {
+    let bound = bind(program, image, options)?;
+    let mut job = Job::new(program, &bound, image, options)?;
+    job.sample();
+    // The shapes that the samples did not show are learnt on the way; each round adds at least one.
+    loop {
+        match job.attempt()? {
+            Attempt::Done(report) => return Ok(report),
+            Attempt::Again(misfit) => job.widen(misfit)?,
+        }
+    }
+}
+
+/// Runs a program at one pixel: every variable that it assigns, with its value there.
+pub fn eval_pixel(
+    program: &Resolved,
+    image: &Image<'_>,
+    pixel: usize,
+    options: &Options<'_>,
+) -> Result<Vec<(String, PixelValue)>, Failure> {
+    let bound = bind(program, image, options)?;
+    let mut worker = Worker::new(program, &bound, options, program.by_normal.is_some());
+    let list = [pixel as u32];
+    match worker.run(Pixels::List(&list), &mut |_, _| Ok(())) {
+        Ok(()) => {}
+        Err(stop) => return Err(stop.failure(&bound)),
+    }
+    let values = program.globals.iter().zip(&worker.machine.globals);
+    Ok(values
+        .filter(|(global, _)| (global.assigned.is_some() || global.name == "color") && !global.library)
+        .filter_map(|(global, slot)| Some((global.name.clone(), slot.value.as_ref()?.pixel(0))))
+        .collect())
+}
+
+/// Why a worker stopped.
+enum Stop {
+    Error(Box<Diagnostic>, usize),
+    Misfit(Misfit),
+    Cancelled,
+}
+
+impl Stop {
+    fn failure(self, bound: &Bound<'_>) -> Failure {
+        match self {
+            Stop::Error(mut error, pixel) => {
+                error.pixel = Some(bound.position(pixel));
+                Failure::Program(vec![*error])
+            }
+            Stop::Misfit(_) | Stop::Cancelled => Failure::Cancelled,
+        }
+    }
+
+    /// The pixel it stopped at.
+    fn pixel(&self) -> usize {
+        match self {
+            Stop::Error(_, pixel) => *pixel,
+            Stop::Misfit(misfit) => misfit.pixel,
+            Stop::Cancelled => 0,
+        }
+    }
+}
+
+/// One thread's evaluation.
+struct Worker<'r> {
+    machine: Machine<'r>,
+    by_normal: bool,
+}
+
+type Sink<'s> = dyn FnMut(&Machine<'_>, Pixels<'_>) -> Result<(), Misfit> + 's;
+
+impl<'r> Worker<'r> {
+    fn new(program: &'r Resolved, bound: &'r Bound<'r>, options: &Options<'r>, by_normal: bool) -> Worker<'r> {
+        let machine = Machine::new(program, bound, options.isa(), options.limits, options.cancel);
+        Worker { machine, by_normal }
+    }
+
+    fn batch(&mut self, pixels: Pixels<'_>, count: bool) -> Result<(), Fault> {
+        let machine = &mut self.machine;
+        machine.reset(pixels.len(), count);
+        machine.load(pixels);
+        let mask = machine.block(&machine.program.body, &Mask::All)?;
+        if let Some(block) = machine.program.by_normal.as_ref().filter(|_| self.by_normal) {
+            machine.block(block, &mask)?;
+        }
+        Ok(())
+    }
+
+    /// Runs pixels, cut where they have to be, and gives each finished batch to the sink. An error is that of
+    /// the first pixel that has one.
+    fn run(&mut self, pixels: Pixels<'_>, sink: &mut Sink<'_>) -> Result<(), Stop> {
+        if pixels.len() == 0 {
+            return Ok(());
+        }
+        let mut outcome = self.batch(pixels, false);
+        if let Err(Fault::Count) = outcome {
+            outcome = self.batch(pixels, true);
+        }
+        match outcome {
+            Ok(()) => sink(&self.machine, pixels).map_err(Stop::Misfit),
+            Err(Fault::Cancelled | Fault::Count) => Err(Stop::Cancelled),
+            Err(Fault::Error(error, lane)) => {
+                // A pixel before this one may be wrong at a later place of the program.
+                let before: Vec<u32> = (0..lane).map(|i| pixels.at(i) as u32).collect();
+                match self.run(Pixels::List(&before), &mut |_, _| Ok(())) {
+                    Ok(()) => Err(Stop::Error(error, pixels.at(lane))),
+                    earlier => earlier,
+                }
+            }
+            Err(Fault::Split(mask)) => {
+                let n = pixels.len();
+                let pick = |on: bool| -> Vec<u32> {
+                    (0..n).filter(|&i| mask.has(i) == on).map(|i| pixels.at(i) as u32).collect()
+                };
+                let (one, other) = (pick(true), pick(false));
+                if one.is_empty() || other.is_empty() {
+                    let error = Diagnostic::bare("internal", "a batch was cut into itself and nothing");
+                    return Err(Stop::Error(Box::new(error), pixels.at(0)));
+                }
+                match (self.run(Pixels::List(&one), sink), self.run(Pixels::List(&other), sink)) {
+                    (Err(a), Err(b)) if b.pixel() < a.pixel() => Err(b),
+                    (Err(a), _) => Err(a),
+                    (Ok(()), b) => b,
+                }
+            }
+        }
+    }
+}
+
+enum Attempt {
+    Done(Report),
+    Again(Misfit),
+}
+
+struct Job<'r> {
+    program: &'r Resolved,
+    bound: &'r Bound<'r>,
+    image: &'r Image<'r>,
+    options: &'r Options<'r>,
+    outputs: Vec<Output<'r>>,
+    by_normal: bool,
+}
+
+/// A stretch of the image, with the outputs' planes there.
+struct Chunk<'p> {
+    start: usize,
+    len: usize,
+    planes: Vec<Vec<&'p mut [f32]>>,
+}
+
+impl<'r> Job<'r> {
+    fn new(
+        program: &'r Resolved,
+        bound: &'r Bound<'r>,
+        image: &'r Image<'r>,
+        options: &'r Options<'r>,
+    ) -> Result<Job<'r>, Failure> {
+        let names = options.outputs.clone().unwrap_or_else(|| output::default_names(program));
+        let mut by_normal = false;
+        let mut outputs: Vec<Output<'r>> = Vec::new();
+        let mut errors = Vec::new();
+        for name in names {
+            if outputs.iter().any(|o| o.name == name) {
+                continue;
+            }
+            let slot = program.slot(&name);
+            let assigned = slot.filter(|&i| program.globals[i as usize].assigned.is_some());
+            let shown = slot.filter(|_| name == "color" && assigned.is_none() && program.by_normal.is_some());
+            by_normal |= shown.is_some();
+            let input = image.variable(&name);
+            let framed = slot.filter(|&i| program.globals[i as usize].framed.is_some());
+            let slot = assigned.or(shown).or(framed);
+            if slot.is_none() && input.is_none() {
+                errors.push(no_output(program, &name));
+                continue;
+            }
+            let shape = match (slot, input) {
+                (None, Some(input)) => input.shape.clone(),
+                _ => Output::written(&name, &Shape::Scalar),
+            };
+            outputs.push(Output { name, slot, input: input.filter(|_| slot.is_none()), shape, seen: None });
+        }
+        if outputs.is_empty() && errors.is_empty() {
+            errors.push(
+                Diagnostic::bare("output", "the program gives nothing to write")
+                    .hint("Assign to color, or end with an expression: color = white * Noise(8 * point)."),
+            );
+        }
+        if errors.is_empty() {
+            Ok(Job { program, bound, image, options, outputs, by_normal })
+        } else {
+            Err(Failure::Program(errors))
+        }
+    }
+
+    fn total(&self) -> usize {
+        self.image.width * self.image.height
+    }
+
+    fn worker(&self) -> Worker<'r> {
+        Worker::new(self.program, self.bound, self.options, self.by_normal)
+    }
+
+    /// Learns the outputs' shapes from a few pixels. What goes wrong there will go wrong again.
+    fn sample(&mut self) {
+        let total = self.total();
+        let mut worker = self.worker();
+        for k in 0..SAMPLES.min(total) {
+            let pixel = k * (total - 1) / (SAMPLES - 1).max(1);
+            let mut found: Vec<Option<Shape>> = Vec::new();
+            let list = [pixel as u32];
+            let outcome = worker.run(Pixels::List(&list), &mut |machine, _| {
+                found = self
+                    .outputs
+                    .iter()
+                    .map(|o| o.slot.and_then(|i| Some(machine.globals[i as usize].value.as_ref()?.shape.clone())))
+                    .collect();
+                Ok(())
+            });
+            if outcome.is_err() {
+                continue;
+            }
+            for (output, shape) in self.outputs.iter_mut().zip(found) {
+                if let Some(shape) = shape
+                    && output.color_has(&shape)
+                    && let Some(joined) = output.join(&shape)
+                {
+                    if joined != output.shape || output.seen.is_none() {
+                        output.seen = Some(pixel);
+                    }
+                    output.shape = joined;
+                }
+            }
+        }
+    }
+
+    /// Makes room for a pixel's shape, or says why there is none.
+    fn widen(&mut self, misfit: Misfit) -> Result<(), Failure> {
+        let output = &mut self.outputs[misfit.output];
+        let joined = output.join(&misfit.shape).filter(|_| output.color_has(&misfit.shape));
+        if let Some(joined) = joined.filter(|j| *j != output.shape) {
+            output.shape = joined;
+            output.seen = Some(misfit.pixel);
+            return Ok(());
+        }
+        let name = &output.name;
+        let mut error = if output.color_has(&misfit.shape) {
+            let other = output.seen.map_or(String::new(), |p| {
+                let [column, row] = self.bound.position(p);
+                format!(" at pixel [{column} {row}]")
+            });
+            Diagnostic::bare("output", format!("{name} is {} here, and {}{other}", misfit.shape, output.shape))
+                .hint("An output has one shape at all pixels; only a scalar is spread over a vector.")
+        } else {
+            Diagnostic::bare("output", format!("color is {}", misfit.shape))
+                .hint("A colour is a scalar (grey), [red green blue], or [red green blue alpha].")
+        };
+        if let Some(span) = output.slot.and_then(|i| self.program.globals[i as usize].assigned) {
+            error = error.label(span, "");
+        }
+        error.pixel = Some(self.bound.position(misfit.pixel));
+        Err(Failure::Program(vec![error]))
+    }
+
+    /// Runs the whole image with the shapes known so far.
+    fn attempt(&self) -> Result<Attempt, Failure> {
+        let total = self.total();
+        let mut planes: Vec<Vec<Vec<f32>>> = self
+            .outputs
+            .iter()
+            .map(|o| {
+                let cells = if o.slot.is_some() { o.shape.cells() } else { 0 };
+                (0..cells).map(|_| vec![0.0; total]).collect()
+            })
+            .collect();
+        let chunks = Mutex::new(chunks(&mut planes, total).into_iter());
+        let end = AtomicUsize::new(usize::MAX);
+        let stopped: Mutex<Option<Stop>> = Mutex::new(None);
+        let done = AtomicUsize::new(0);
+        let not_finite = AtomicUsize::new(0);
+        let work = || {
+            let mut worker = self.worker();
+            loop {
+                let next = match chunks.lock() {
+                    Ok(mut chunks) => chunks.next(),
+                    Err(_) => None,
+                };
+                let Some(mut chunk) = next else { return };
+                if chunk.start >= end.load(Ordering::Relaxed) {
+                    return;
+                }
+                if let Err(stop) = self.chunk(&mut worker, &mut chunk) {
+                    end.fetch_min(stop.pixel(), Ordering::Relaxed);
+                    if let Ok(mut stopped) = stopped.lock()
+                        && stopped.as_ref().is_none_or(|s| stop.pixel() < s.pixel())
+                    {
+                        *stopped = Some(stop);
+                    }
+                    continue;
+                }
+                not_finite.fetch_add(output::not_finite(&chunk.planes, chunk.len), Ordering::Relaxed);
+                let done = done.fetch_add(chunk.len, Ordering::Relaxed) + chunk.len;
+                if let Some(progress) = self.options.progress {
+                    progress(Progress { done, total });
+                }
+            }
+        };
+        let threads = self.in_threads(&work)?;
+        drop(chunks);
+        match stopped.into_inner().unwrap_or_else(|e| e.into_inner()) {
+            None => {}
+            Some(Stop::Misfit(misfit)) => return Ok(Attempt::Again(misfit)),
+            Some(stop) => return Err(stop.failure(self.bound)),
+        }
+        let image = self.finish(planes);
+        let not_finite = not_finite.into_inner();
+        Ok(Attempt::Done(Report { image, not_finite, by_normal: self.by_normal, threads }))
+    }
+
+    /// Runs `work` on every thread that was asked for, and says how many those are.
+    fn in_threads(&self, work: &(impl Fn() + Sync)) -> Result<usize, Failure> {
+        let current = rayon::current_num_threads();
+        // A thread without a chunk has nothing to do.
+        let useful = self.total().div_ceil(CHUNK).max(1);
+        let threads = self.options.threads.unwrap_or(current).clamp(1, useful);
+        let all = || rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
+        if threads == 1 {
+            work();
+        } else if threads <= current {
+            all();
+        } else {
+            match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+                Ok(pool) => pool.install(all),
+                Err(e) => {
+                    let error = Diagnostic::bare("threads", format!("cannot start {threads} threads: {e}"));
+                    return Err(Failure::Program(vec![error.hint("Ask for fewer threads.")]));
+                }
+            }
+        }
+        Ok(threads)
+    }
+
+    fn chunk(&self, worker: &mut Worker<'r>, chunk: &mut Chunk<'_>) -> Result<(), Stop> {
+        let batch = self.options.batch.unwrap_or(super::BATCH).max(1);
+        let Chunk { start, len, planes } = chunk;
+        let (start, end) = (*start, *start + *len);
+        let mut first = start;
+        while first < end {
+            if self.options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
+                return Err(Stop::Cancelled);
+            }
+            let n = batch.min(end - first);
+            worker.run(Pixels::Run(first, n), &mut |machine, pixels| {
+                output::write(&self.outputs, machine, pixels, start, planes)
+            })?;
+            first += n;
+        }
+        Ok(())
+    }
+
+    fn finish(&self, planes: Vec<Vec<Vec<f32>>>) -> Image<'static> {
+        let variables = self
+            .outputs
+            .iter()
+            .zip(planes)
+            .map(|(output, planes)| {
+                let planes = match output.input {
+                    Some(input) => input.planes.iter().map(|p| Cow::Owned(p.to_vec())).collect(),
+                    None => planes.into_iter().map(Cow::Owned).collect(),
+                };
+                Variable { name: output.name.clone(), shape: output.shape.clone(), planes }
+            })
+            .collect();
+        Image {
+            width: self.image.width,
+            height: self.image.height,
+            variables,
+            metadata: self.image.metadata.clone(),
+        }
+    }
+}
+
+/// Cuts the planes into stretches of [`CHUNK`] pixels.
+fn chunks(planes: &mut [Vec<Vec<f32>>], total: usize) -> Vec<Chunk<'_>> {
+    let starts = (0..total).step_by(CHUNK);
+    let mut chunks: Vec<Chunk<'_>> =
+        starts.map(|start| Chunk { start, len: CHUNK.min(total - start), planes: Vec::new() }).collect();
+    for output in planes.iter_mut() {
+        for chunk in &mut chunks {
+            chunk.planes.push(Vec::new());
+        }
+        for plane in output.iter_mut() {
+            for (part, chunk) in plane.chunks_mut(CHUNK).zip(&mut chunks) {
+                if let Some(last) = chunk.planes.last_mut() {
+                    last.push(part);
+                }
+            }
+        }
+    }
+    chunks
+}
+
+fn no_output(program: &Resolved, name: &str) -> Diagnostic {
+    let assigned: Vec<&str> = program.assigned().collect();
+    let error = Diagnostic::bare("output", format!("there is no variable {name} to write"));
+    if let Some(near) = crate::resolve::names::nearest(name, assigned.iter().copied()) {
+        return error.hint(format!("Did you mean {near}?"));
+    }
+    if assigned.is_empty() {
+        return error.hint("The program assigns no variable at all.");
+    }
+    error.hint(format!("The program assigns {}.", assigned.join(", ")))
+}

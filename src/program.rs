@@ -1,0 +1,210 @@
+//! The embedding interface: compile a program once, run it on any number of images.
+
+use crate::diagnostic::{Diagnostic, Sources, Style};
+use crate::eval::{self, HostFunction};
+use crate::host::{Host, NoFiles};
+use crate::image::Image;
+use crate::resolve::{self, HostFunctions, Resolved};
+use crate::shape::Shape;
+use crate::value::PixelValue;
+use std::fmt;
+use std::sync::Arc;
+
+pub use crate::eval::{Failure, Limits, Options as RunOptions, Progress, Report};
+
+/// A compiled program. It holds no state: share it between threads, and run it as often as you like.
+///
+/// ```
+/// use pse::{Image, Program, RunOptions, Shape, Variable};
+///
+/// let program = Program::compile("color = white * abs(sin(8 * point.x))")?;
+/// let x: Vec<f32> = (0..64).map(|i| i as f32 / 64.0).collect();
+/// let zero = vec![0.0; 64];
+/// // The host's own planes, borrowed.
+/// let point = Variable::new("point", Shape::Vector(3), [&x[..], &zero, &zero])?;
+/// let image = Image::new(64, 1, [point])?;
+/// let report = program.run(&image, &RunOptions::default())?;
+/// assert_eq!(report.image.variable("color").unwrap().planes.len(), 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Program {
+    resolved: Resolved,
+}
+
+/// Compiles programs that import files or call functions of the host.
+pub struct Compiler<'h> {
+    host: &'h dyn Host,
+    functions: HostFunctions,
+}
+
+impl Default for Compiler<'_> {
+    fn default() -> Self {
+        Compiler { host: &NoFiles, functions: HostFunctions::new() }
+    }
+}
+
+impl<'h> Compiler<'h> {
+    /// Without files and without functions.
+    pub fn new() -> Compiler<'h> {
+        Compiler::default()
+    }
+
+    /// Where imports are found.
+    pub fn host(mut self, host: &'h dyn Host) -> Compiler<'h> {
+        self.host = host;
+        self
+    }
+
+    /// Adds a function to the language; it hides a built-in one of the same name.
+    pub fn function(mut self, function: HostFunction) -> Compiler<'h> {
+        self.functions.insert(function.name().to_string(), Arc::new(function));
+        self
+    }
+
+    /// Compiles a program that messages call `name`.
+    ///
+    /// # Errors
+    /// Every fault that could be found in the text.
+    pub fn compile(&self, name: &str, text: &str) -> Result<Program, Error> {
+        match resolve::resolve(name, text, self.host, &self.functions) {
+            Ok(resolved) => Ok(Program { resolved }),
+            Err((diagnostics, sources)) => Err(Error { diagnostics, sources, cancelled: false }),
+        }
+    }
+}
+
+/// A `param` of a program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParamInfo {
+    /// Its name.
+    pub name: String,
+    /// Its default, where that needs no image.
+    pub value: Option<PixelValue>,
+}
+
+impl Program {
+    /// Compiles a program without imports.
+    ///
+    /// # Errors
+    /// Every fault that could be found in the text.
+    pub fn compile(text: &str) -> Result<Program, Error> {
+        Compiler::new().compile("program", text)
+    }
+
+    /// Runs it at every pixel of an image.
+    ///
+    /// # Errors
+    /// What does not fit the image, or the first pixel in reading order at which the program goes wrong;
+    /// or that the run was cancelled.
+    pub fn run(&self, image: &Image<'_>, options: &RunOptions<'_>) -> Result<Report, Error> {
+        eval::run(&self.resolved, image, options).map_err(|f| self.error(f))
+    }
+
+    /// Runs it at one pixel that has the given variables: what it assigns there, by name.
+    ///
+    /// ```
+    /// use pse::{Program, RunOptions};
+    /// let program = Program::compile("twice = 2 * x")?;
+    /// let values = program.eval_pixel(&[("x", 4.0.into())], &RunOptions::default())?;
+    /// assert_eq!(values, [("twice".to_string(), 8.0.into())]);
+    /// # Ok::<(), pse::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Program::run`].
+    pub fn eval_pixel(
+        &self,
+        variables: &[(&str, PixelValue)],
+        options: &RunOptions<'_>,
+    ) -> Result<Vec<(String, PixelValue)>, Error> {
+        let image = Image::of_pixel(variables);
+        self.eval_pixel_of(&image, 0, 0, options)
+    }
+
+    /// Runs it at one pixel of an image, counted from the top left of what the image holds.
+    ///
+    /// # Errors
+    /// As [`Program::run`].
+    ///
+    /// # Panics
+    /// If the image has no such pixel.
+    pub fn eval_pixel_of(
+        &self,
+        image: &Image<'_>,
+        column: usize,
+        row: usize,
+        options: &RunOptions<'_>,
+    ) -> Result<Vec<(String, PixelValue)>, Error> {
+        assert!(column < image.width && row < image.height, "the image has no pixel [{column} {row}]");
+        eval::eval_pixel(&self.resolved, image, row * image.width + column, options).map_err(|f| self.error(f))
+    }
+
+    /// The program after names were resolved.
+    pub fn resolved(&self) -> &Resolved {
+        &self.resolved
+    }
+
+    /// The texts that the spans of its errors point into.
+    pub fn sources(&self) -> &Sources {
+        &self.resolved.sources
+    }
+
+    /// The names of the variables that it assigns at the pixels.
+    pub fn assigned(&self) -> impl Iterator<Item = &str> {
+        self.resolved.assigned()
+    }
+
+    /// The names that it reads and nothing in it assigns: what an image must have, or a constant's name.
+    pub fn inputs(&self) -> impl Iterator<Item = &str> {
+        let unassigned = |g: &&resolve::tree::Global| {
+            g.read.is_some() && g.assigned.is_none() && g.framed.is_none() && !g.library
+        };
+        self.resolved.globals.iter().filter(unassigned).map(|g| g.name.as_str())
+    }
+
+    fn error(&self, failure: Failure) -> Error {
+        let (diagnostics, cancelled) = match failure {
+            Failure::Program(diagnostics) => (diagnostics, false),
+            Failure::Cancelled => (vec![Diagnostic::bare("cancelled", "the run was cancelled")], true),
+        };
+        Error { diagnostics, sources: self.resolved.sources.clone(), cancelled }
+    }
+}
+
+/// What is wrong with a program: facts to look at, and a text to show.
+#[derive(Clone, Debug)]
+pub struct Error {
+    /// At least one, in the order of the text.
+    pub diagnostics: Vec<Diagnostic>,
+    /// What their spans point into.
+    pub sources: Sources,
+    /// Was the run cancelled?
+    pub cancelled: bool,
+}
+
+impl Error {
+    /// All messages, with the source shown and the places underlined.
+    pub fn render(&self, style: Style) -> String {
+        let mut sorted: Vec<&Diagnostic> = self.diagnostics.iter().collect();
+        sorted.sort_by_key(|d| d.span().map(|s| (s.source, s.start)));
+        sorted.iter().map(|d| d.render(&self.sources, style)).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// The rendered messages, without colours.
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.render(Style::PLAIN).trim_end())
+    }
+}
+
+impl std::error::Error for Error {}
+
+// Checked at compile time: hosts share programs between threads.
+const _: fn() = || {
+    fn shared<T: Send + Sync>() {}
+    shared::<Program>();
+    shared::<Error>();
+    shared::<Shape>();
+};

@@ -1,0 +1,80 @@
+//! Gathers a program's files: the program itself and what it imports, each once.
+
+use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::host::Host;
+use crate::syntax::{self, ast};
+
+/// The files of a program, imports first in the order in which they are met.
+pub struct Files {
+    /// What the imported files bring: functions and params, never their other statements.
+    pub imported: Vec<ast::Stmt>,
+    /// The program's own statements, without the imports.
+    pub body: Vec<ast::Stmt>,
+}
+
+/// How many imports may lead from one file to the next.
+const DEPTH: usize = 32;
+
+/// Parses the program and everything it imports. Errors are collected in `errors`; what could be read is returned.
+pub fn gather(
+    name: &str,
+    text: &str,
+    sources: &mut Sources,
+    host: &dyn Host,
+    errors: &mut Vec<Diagnostic>,
+) -> Files {
+    let id = sources.add(name, text);
+    let parsed = syntax::parse(id, text);
+    errors.extend(parsed.errors);
+    let mut gatherer = Gatherer { sources, host, errors, seen: vec![name.to_string()], imported: Vec::new() };
+    let mut body = Vec::new();
+    for stmt in parsed.module.body {
+        match &stmt.kind {
+            ast::StmtKind::Import(path, span) => gatherer.import(name, path, *span, 1),
+            _ => body.push(stmt),
+        }
+    }
+    Files { imported: gatherer.imported, body }
+}
+
+struct Gatherer<'a> {
+    sources: &'a mut Sources,
+    host: &'a dyn Host,
+    errors: &'a mut Vec<Diagnostic>,
+    seen: Vec<String>,
+    imported: Vec<ast::Stmt>,
+}
+
+impl Gatherer<'_> {
+    fn import(&mut self, importing: &str, path: &str, span: Span, depth: usize) {
+        if depth > DEPTH {
+            let message = format!("imports lead through more than {DEPTH} files");
+            self.errors.push(Diagnostic::error("import", message, span));
+            return;
+        }
+        let (name, text) = match self.host.import(importing, path) {
+            Ok(found) => found,
+            Err(why) => {
+                let error = Diagnostic::error("import", format!("cannot import \"{path}\""), span)
+                    .label(span, why)
+                    .hint("An import is found beside the file that imports it, then in the folders of --path.");
+                self.errors.push(error);
+                return;
+            }
+        };
+        if self.seen.contains(&name) {
+            return;
+        }
+        self.seen.push(name.clone());
+        let id = self.sources.add(&name, text.as_str());
+        let parsed = syntax::parse(id, &text);
+        self.errors.extend(parsed.errors);
+        for stmt in parsed.module.body {
+            match &stmt.kind {
+                ast::StmtKind::Import(path, span) => self.import(&name, path, *span, depth + 1),
+                ast::StmtKind::Function(_) | ast::StmtKind::Param { .. } => self.imported.push(stmt),
+                _ => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,557 @@
+//! Statements and expressions: from names to slots.
+
+use super::HostFunctions;
+use super::names;
+use super::scope::{Scope, assigned};
+use super::tree::*;
+use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::syntax::ast;
+use std::collections::{BTreeSet, HashMap};
+
+/// Turns the trees of a program's files into a [`Resolved`].
+pub(super) struct Resolver<'a> {
+    pub sources: &'a mut Sources,
+    pub hosts: &'a HostFunctions,
+    pub errors: Vec<Diagnostic>,
+    pub out: Resolved,
+    /// Slots of the outer level, by whether they are the library's and by name.
+    ids: HashMap<(bool, String), u32>,
+    /// The program's functions: the tree, and the index once resolved.
+    pub own: HashMap<String, (&'a ast::Function, u32)>,
+    /// The library's functions that are called, by name.
+    pub library: HashMap<&'static str, u32>,
+    /// Which functions each function calls, for what it reads through them.
+    pub calls: Vec<BTreeSet<u32>>,
+    /// The function that is being resolved.
+    pub current: Option<u32>,
+    /// Calls in the frame's program: function, span; checked when all functions are known.
+    pub framed_calls: Vec<(u32, Span)>,
+}
+
+impl<'a> Resolver<'a> {
+    pub fn new(sources: &'a mut Sources, hosts: &'a HostFunctions) -> Resolver<'a> {
+        Resolver {
+            sources,
+            hosts,
+            errors: Vec::new(),
+            out: Resolved::default(),
+            ids: HashMap::new(),
+            own: HashMap::new(),
+            library: HashMap::new(),
+            calls: Vec::new(),
+            current: None,
+            framed_calls: Vec::new(),
+        }
+    }
+
+    /// The whole program.
+    pub fn program(&mut self, files: &'a super::import::Files) {
+        let outer = || files.imported.iter().chain(&files.body);
+        self.declare_functions(outer());
+        self.declare_variables(&files.imported, &files.body);
+        for stmt in outer() {
+            if let ast::StmtKind::Param { name, value, range } = &stmt.kind {
+                self.param(name, value, range.as_ref(), stmt.span);
+            }
+        }
+        let own: Vec<_> = outer()
+            .filter_map(|s| match &s.kind {
+                ast::StmtKind::Function(f) => Some(f),
+                _ => None,
+            })
+            .collect();
+        for function in own {
+            // A second definition of a name was reported, and has no index.
+            if let Some((first, index)) = self.own.get(&function.name.text)
+                && std::ptr::eq(*first, function)
+            {
+                let index = *index;
+                self.function(function, index, false);
+            }
+        }
+        self.outer_body(&files.body);
+        self.implicit_color(&files.body);
+    }
+
+    /// Settles what functions read through other functions, and checks the frame's program against it.
+    pub fn finish(&mut self) -> Resolved {
+        super::rate::close_reads(&mut self.out.functions, &self.calls);
+        self.check_framed_calls();
+        super::rate::mark(&mut self.out);
+        std::mem::take(&mut self.out)
+    }
+
+    /// The frame's program may only call functions that read nothing of a pixel.
+    fn check_framed_calls(&mut self) {
+        for (function, span) in std::mem::take(&mut self.framed_calls) {
+            let reads = &self.out.functions[function as usize].reads;
+            let pixel = reads.iter().map(|&i| &self.out.globals[i as usize]).find(|g| {
+                !g.is_frame() && g.framed.is_none()
+            });
+            if let Some(global) = pixel {
+                let error = self.pixel_in_frame(&global.name, span, global.read);
+                self.errors.push(error);
+            }
+        }
+    }
+
+    fn declare_functions(&mut self, outer: impl Iterator<Item = &'a ast::Stmt>) {
+        for stmt in outer {
+            let ast::StmtKind::Function(function) = &stmt.kind else { continue };
+            let name = &function.name;
+            if let Some((first, _)) = self.own.get(&name.text) {
+                let first = first.name.span;
+                let message = format!("the function {}() is defined twice", name.text);
+                let error = Diagnostic::error("name", message, name.span)
+                    .label(name.span, "again here")
+                    .label(first, "first here")
+                    .hint("Give one of them another name.");
+                self.errors.push(error);
+                continue;
+            }
+            let index = self.reserve(&name.text, name.span);
+            self.own.insert(name.text.clone(), (function, index));
+        }
+    }
+
+    /// An index for a function whose block is resolved later.
+    pub fn reserve(&mut self, name: &str, span: Span) -> u32 {
+        self.out.functions.push(Function {
+            name: name.into(),
+            span,
+            params: 0,
+            locals: Vec::new(),
+            body: Vec::new(),
+            reads: BTreeSet::new(),
+        });
+        self.calls.push(BTreeSet::new());
+        self.out.functions.len() as u32 - 1
+    }
+
+    /// Notes which outer variables are the frame's and which the pixel's, before anything reads them.
+    fn declare_variables(&mut self, imported: &[ast::Stmt], body: &[ast::Stmt]) {
+        for stmt in imported.iter().chain(body) {
+            match &stmt.kind {
+                ast::StmtKind::Param { name, .. } => {
+                    let slot = self.global(&name.text, false);
+                    if let Some(first) = self.out.globals[slot as usize].framed {
+                        let message = format!("the param {} is declared twice", name.text);
+                        let error = Diagnostic::error("name", message, name.span)
+                            .label(name.span, "again here")
+                            .label(first, "first here");
+                        self.errors.push(error);
+                    }
+                    self.out.globals[slot as usize].framed = Some(name.span);
+                }
+                _ => {
+                    let (frame, rest) = split_frame(stmt);
+                    let mut note = |name: &ast::Name, framed: bool| {
+                        let slot = self.global(&name.text, false) as usize;
+                        let global = &mut self.out.globals[slot];
+                        let place = if framed { &mut global.framed } else { &mut global.assigned };
+                        place.get_or_insert(name.span);
+                    };
+                    frame.iter().for_each(|block| assigned(block, &mut |name| note(name, true)));
+                    match rest {
+                        Rest::All => assigned(std::slice::from_ref(stmt), &mut |name| note(name, false)),
+                        Rest::Arms(arms, otherwise) => {
+                            arms.iter().for_each(|(_, b)| assigned(b, &mut |name| note(name, false)));
+                            otherwise.iter().for_each(|b| assigned(b, &mut |name| note(name, false)));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn param(&mut self, name: &ast::Name, value: &ast::Expr, range: Option<&ast::Expr>, span: Span) {
+        let mut scope = Scope { frame: true, ..Scope::default() };
+        let value = self.expr(value, &mut scope);
+        let range = range.map(|range| self.expr(range, &mut scope));
+        let slot = self.global(&name.text, false);
+        if let Some(assigned) = self.out.globals[slot as usize].assigned {
+            let error = Diagnostic::error("name", format!("the param {} is assigned", name.text), assigned)
+                .label(assigned, "assigned here")
+                .label(name.span, "declared here")
+                .hint("A param is set from outside. Copy it to a variable of another name to change it.");
+            self.errors.push(error);
+        }
+        self.out.params.push(Param { name: name.text.clone(), slot, value, range, span });
+    }
+
+    fn outer_body(&mut self, body: &[ast::Stmt]) {
+        for stmt in body {
+            let (frame, rest) = split_frame(stmt);
+            if let Some(block) = frame {
+                let mut scope = Scope { frame: true, blocks: 1, ..Scope::default() };
+                let block = self.block(block, &mut scope);
+                self.out.frame.extend(block);
+            }
+            let mut scope = Scope::default();
+            match rest {
+                Rest::All => {
+                    let stmt = self.stmt(stmt, &mut scope);
+                    self.out.body.extend(stmt);
+                }
+                // `else if` and `else` of `if begin_frame` belong to the pixels.
+                Rest::Arms([], None) => {}
+                Rest::Arms([], Some(otherwise)) => {
+                    let block = self.block(otherwise, &mut scope);
+                    self.out.body.extend(block);
+                }
+                Rest::Arms(arms, otherwise) => {
+                    scope.blocks = 1;
+                    let kind = self.branches(arms, otherwise, &mut scope);
+                    self.out.body.push(Stmt { kind, span: stmt.span });
+                }
+            }
+        }
+    }
+
+    /// If nothing assigns `color`: the last outer expression is it; without one, a changed `normal` gives it.
+    fn implicit_color(&mut self, body: &[ast::Stmt]) {
+        let assigns = |r: &Resolver, name: &str| {
+            r.ids.get(&(false, name.to_string())).is_some_and(|&i| r.out.globals[i as usize].assigned.is_some())
+        };
+        if assigns(self, "color") {
+            return;
+        }
+        let last = body.iter().rfind(|s| matches!(s.kind, ast::StmtKind::Expr(_)));
+        if let Some(last) = last {
+            let index =
+                self.out.body.iter().rposition(|s| s.span == last.span && matches!(s.kind, StmtKind::Expr(_)));
+            if let Some(index) = index {
+                let slot = self.global("color", false);
+                self.out.globals[slot as usize].assigned = Some(last.span);
+                let stmt = &mut self.out.body[index];
+                if let StmtKind::Expr(value) = &stmt.kind {
+                    let (value, name) = (value.clone(), stmt.span);
+                    let place = Place::Global(slot);
+                    stmt.kind = StmtKind::Assign { place, name, path: Vec::new(), op: None, value };
+                }
+            }
+        } else if assigns(self, "normal") {
+            let id = self.sources.add("<picture by the normal>", "color = shown_by_normal(normal)");
+            let parsed = crate::syntax::parse(id, &self.sources.get(id).text.clone());
+            let slot = self.global("color", false);
+            let block = self.block(&parsed.module.body, &mut Scope::default());
+            self.out.by_normal = Some(block);
+            // The program itself assigns no colour: who lists its outputs must not find one.
+            self.out.globals[slot as usize].assigned = None;
+        }
+    }
+
+    /// A function's block, into the place reserved for it.
+    pub fn function(&mut self, function: &ast::Function, index: u32, library: bool) {
+        let mut locals: HashMap<String, u32> = HashMap::new();
+        let mut names: Vec<String> = Vec::new();
+        for (name, _) in &function.params {
+            if locals.insert(name.text.clone(), names.len() as u32).is_some() {
+                let message = format!("{}() has two parameters called {}", function.name.text, name.text);
+                self.errors.push(Diagnostic::error("name", message, name.span));
+            }
+            names.push(name.text.clone());
+        }
+        assigned(&function.body, &mut |name| {
+            if !locals.contains_key(&name.text) {
+                locals.insert(name.text.clone(), names.len() as u32);
+                names.push(name.text.clone());
+            }
+        });
+        let outer = self.current.replace(index);
+        let mut scope = Scope { locals: Some(locals), library, ..Scope::default() };
+        let body = self.block(&function.body, &mut scope);
+        self.current = outer;
+        let resolved = &mut self.out.functions[index as usize];
+        resolved.params = function.params.len();
+        resolved.locals = names;
+        resolved.body = body;
+    }
+
+    pub fn block(&mut self, body: &[ast::Stmt], scope: &mut Scope) -> Vec<Stmt> {
+        body.iter().filter_map(|stmt| self.stmt(stmt, scope)).collect()
+    }
+
+    fn nested(&mut self, body: &[ast::Stmt], scope: &mut Scope) -> Vec<Stmt> {
+        scope.blocks += 1;
+        let block = self.block(body, scope);
+        scope.blocks -= 1;
+        block
+    }
+
+    fn looped(&mut self, body: &[ast::Stmt], scope: &mut Scope) -> Vec<Stmt> {
+        scope.loops += 1;
+        let block = self.nested(body, scope);
+        scope.loops -= 1;
+        block
+    }
+
+    fn branches(
+        &mut self,
+        arms: &[(ast::Expr, Vec<ast::Stmt>)],
+        otherwise: Option<&Vec<ast::Stmt>>,
+        scope: &mut Scope,
+    ) -> StmtKind {
+        let arms = arms.iter().map(|(c, b)| (self.expr(c, scope), self.nested(b, scope))).collect();
+        StmtKind::If(arms, otherwise.map_or(Vec::new(), |b| self.nested(b, scope)))
+    }
+
+    fn stmt(&mut self, stmt: &ast::Stmt, scope: &mut Scope) -> Option<Stmt> {
+        use ast::StmtKind as Written;
+        let misplaced = |what: &str, where_: &str| {
+            Diagnostic::error("place", format!("{what} is only for {where_}"), stmt.span)
+        };
+        let kind = match &stmt.kind {
+            Written::Assign { target, op, value } => {
+                // The value first: `x = x + 1` reads before it stores.
+                let value = self.expr(value, scope);
+                let path = target.path.iter().filter_map(|step| self.step(step, scope)).collect();
+                let place = self.target(&target.name, scope);
+                StmtKind::Assign { place, name: target.name.span, path, op: *op, value }
+            }
+            Written::Expr(e) => StmtKind::Expr(self.expr(e, scope)),
+            Written::If { arms, otherwise } => self.branches(arms, otherwise.as_ref(), scope),
+            Written::While(condition, body) => {
+                let condition = self.expr(condition, scope);
+                StmtKind::While(condition, self.looped(body, scope))
+            }
+            Written::For(name, vector, body) => {
+                let vector = self.expr(vector, scope);
+                let place = self.target(name, scope);
+                StmtKind::For(place, vector, self.looped(body, scope))
+            }
+            Written::Break | Written::Continue if scope.loops == 0 => {
+                let what = if matches!(stmt.kind, Written::Break) { "break" } else { "continue" };
+                self.errors.push(misplaced(what, "the block of a while or for"));
+                return None;
+            }
+            Written::Break => StmtKind::Break,
+            Written::Continue => StmtKind::Continue,
+            Written::Return(value) => {
+                let value = self.expr(value, scope);
+                if scope.locals.is_none() {
+                    let error = misplaced("return", "the block of a function")
+                        .hint("At the outer level, assign to color what the pixel should show.");
+                    self.errors.push(error);
+                    return None;
+                }
+                StmtKind::Return(value)
+            }
+            Written::Function(f) => {
+                if scope.blocks > 0 || scope.locals.is_some() {
+                    let error = misplaced("a function's definition", "the outer level")
+                        .hint(format!("Move {}() to the left margin.", f.name.text));
+                    self.errors.push(error);
+                }
+                return None;
+            }
+            Written::Param { name, .. } => {
+                if scope.blocks > 0 || scope.locals.is_some() {
+                    let error = misplaced("param", "the outer level")
+                        .hint(format!("Move the declaration of {} to the left margin.", name.text));
+                    self.errors.push(error);
+                }
+                return None;
+            }
+            Written::Import(..) => {
+                self.errors.push(misplaced("import", "the outer level").hint("Move it to the left margin."));
+                return None;
+            }
+        };
+        Some(Stmt { kind, span: stmt.span })
+    }
+
+    fn step(&mut self, step: &ast::Access, scope: &mut Scope) -> Option<Step> {
+        match step {
+            ast::Access::Index(e) => Some(Step::Index(self.expr(e, scope))),
+            ast::Access::Member(name) => match names::component(&name.text) {
+                Some(i) => Some(Step::Component(i, name.span)),
+                None => {
+                    self.errors.push(no_component(name));
+                    None
+                }
+            },
+        }
+    }
+
+    /// Where an assignment to a name goes.
+    fn target(&mut self, name: &ast::Name, scope: &Scope) -> Place {
+        match scope.locals.as_ref().and_then(|l| l.get(&name.text)) {
+            Some(&slot) => Place::Local(slot),
+            None => Place::Global(self.global(&name.text, scope.library)),
+        }
+    }
+
+    /// The slot of an outer variable.
+    pub fn global(&mut self, name: &str, library: bool) -> u32 {
+        *self.ids.entry((library, name.to_string())).or_insert_with(|| {
+            let name = name.to_string();
+            self.out.globals.push(Global { name, library, assigned: None, framed: None, read: None });
+            self.out.globals.len() as u32 - 1
+        })
+    }
+
+    /// A variable that is read.
+    fn variable(&mut self, name: &str, span: Span, scope: &Scope) -> Place {
+        if let Some(&slot) = scope.locals.as_ref().and_then(|l| l.get(name)) {
+            return Place::Local(slot);
+        }
+        let slot = self.global(name, scope.library);
+        let known = self.out.globals[slot as usize].assigned.is_some()
+            || self.out.globals[slot as usize].framed.is_some()
+            || names::constant(name).is_some()
+            || names::is_system(name);
+        if !known && self.is_function(name) {
+            let error = Diagnostic::error("name", format!("{name} is a function, no variable"), span)
+                .hint(format!("To call it, put its arguments in ( ) right behind the name: {name}(…)."));
+            self.errors.push(error);
+            // It was told; binding to an image must not complain again.
+            return Place::Global(slot);
+        }
+        let frame_value = self.out.globals[slot as usize].framed.is_some() || names::is_frame_constant(name);
+        if scope.frame && !frame_value {
+            self.errors.push(self.pixel_in_frame(name, span, None));
+        }
+        self.out.globals[slot as usize].read.get_or_insert(span);
+        if let Some(current) = self.current {
+            self.out.functions[current as usize].reads.insert(slot);
+        }
+        Place::Global(slot)
+    }
+
+    /// The error of a pixel's variable in the frame's program.
+    pub fn pixel_in_frame(&self, name: &str, span: Span, read: Option<Span>) -> Diagnostic {
+        let usual = names::USUAL_INPUTS.contains(&name) || names::is_system(name);
+        let assigned = self.ids.get(&(false, name.to_string())).and_then(|&i| self.out.globals[i as usize].assigned);
+        let known = self.out.globals.iter().filter(|g| g.is_frame()).map(|g| g.name.as_str());
+        let constants = names::CONSTANTS.iter().map(|c| c.name).chain(names::FRAME.iter().copied());
+        let mut error = match names::nearest(name, known.chain(constants).chain(names::USUAL_INPUTS.iter().copied())) {
+            Some(near) if !usual && assigned.is_none() => {
+                Diagnostic::error("name", format!("there is no frame variable {name}"), span)
+                    .hint(format!("Did you mean {near}?"))
+            }
+            _ => Diagnostic::error("frame", format!("{name} is not known at the beginning of a frame"), span)
+                .label(span, "read once a frame, before any pixel")
+                .hint(format!(
+                    "{name} has a value at each pixel, and this runs once a frame, before any of them. Move what \
+                     needs {name} out of if begin_frame and param."
+                )),
+        };
+        if let Some(read) = read {
+            error = error.label(read, format!("{name} is read here"));
+        }
+        error
+    }
+
+    pub fn expr(&mut self, e: &ast::Expr, scope: &mut Scope) -> Expr {
+        use ast::ExprKind as Written;
+        let kind = match &*e.kind {
+            Written::Number(x) => ExprKind::Number(*x),
+            Written::Text(text) => {
+                let message = format!("the string \"{text}\" stands where a value is expected");
+                let error = Diagnostic::error("string", message, e.span)
+                    .hint("Strings only name things for functions that ask for a name, as in Noise(p, kind = \"gradient\").");
+                self.errors.push(error);
+                ExprKind::Number(0.0)
+            }
+            Written::Name(name) => ExprKind::Variable(self.variable(name, e.span, scope)),
+            Written::Member(base, member) => self.member(base, member, e.span, scope),
+            Written::Index(base, index) => {
+                let base = self.expr(base, scope);
+                ExprKind::Index(Box::new(base), Box::new(self.expr(index, scope)))
+            }
+            Written::Call(name, args) => return self.call(name, args, e.span, scope),
+            Written::Unary(op, a) => ExprKind::Unary(*op, Box::new(self.expr(a, scope))),
+            Written::Binary(op, a, b) => {
+                let a = self.expr(a, scope);
+                ExprKind::Binary(*op, Box::new(a), Box::new(self.expr(b, scope)))
+            }
+            Written::Conditional(c, a, b) => {
+                let c = self.expr(c, scope);
+                let a = self.expr(a, scope);
+                ExprKind::Conditional(Box::new([c, a, self.expr(b, scope)]))
+            }
+            Written::Vector(elements) => {
+                let elements = elements.iter().map(|element| self.element(element, scope)).collect();
+                ExprKind::Vector(elements)
+            }
+            Written::Range(..) => {
+                let error = Diagnostic::error("place", "a range stands outside of [ ]", e.span)
+                    .hint("Put it in brackets: [1 .. 10].");
+                self.errors.push(error);
+                ExprKind::Number(0.0)
+            }
+            Written::Group(inner) => return self.expr(inner, scope),
+            Written::Error => ExprKind::Number(0.0),
+        };
+        Expr { kind, span: e.span }
+    }
+
+    fn element(&mut self, element: &ast::Expr, scope: &mut Scope) -> Element {
+        match &*element.kind {
+            ast::ExprKind::Range(a, b) => {
+                let a = self.expr(a, scope);
+                Element::Range(a, self.expr(b, scope))
+            }
+            _ => Element::Item(self.expr(element, scope)),
+        }
+    }
+
+    /// `a.b`: a component of the vector `a`, or the variable `b` of the image `a`.
+    fn member(&mut self, base: &ast::Expr, member: &ast::Name, span: Span, scope: &mut Scope) -> ExprKind {
+        if let Some(i) = names::component(&member.text) {
+            let base = self.expr(base, scope);
+            return ExprKind::Component(Box::new(base), i);
+        }
+        match &*base.kind {
+            ast::ExprKind::Name(image)
+                if !scope.locals.as_ref().is_some_and(|l| l.contains_key(image)) && !self.is_assigned(image) =>
+            {
+                let full = format!("{image}.{}", member.text);
+                ExprKind::Variable(self.variable(&full, span, scope))
+            }
+            _ => {
+                self.expr(base, scope);
+                self.errors.push(no_component(member));
+                ExprKind::Number(0.0)
+            }
+        }
+    }
+
+    fn is_assigned(&self, name: &str) -> bool {
+        self.ids.get(&(false, name.to_string())).is_some_and(|&i| {
+            let global = &self.out.globals[i as usize];
+            global.assigned.is_some() || global.framed.is_some()
+        })
+    }
+}
+
+fn no_component(member: &ast::Name) -> Diagnostic {
+    Diagnostic::error("name", format!("a vector has no component called {}", member.text), member.span)
+        .hint("Its components are .x .y .z .w, the same as .r .g .b .a; others are counted from 1: v[5].")
+}
+
+/// What of a statement is left when the block of `if begin_frame` is taken out.
+enum Rest<'a> {
+    /// All: it is no `if begin_frame`.
+    All,
+    /// The other branches.
+    Arms(&'a [(ast::Expr, Vec<ast::Stmt>)], Option<&'a Vec<ast::Stmt>>),
+}
+
+/// The block of `if begin_frame`, if that is what the statement is, and the rest of it.
+fn split_frame(stmt: &ast::Stmt) -> (Option<&[ast::Stmt]>, Rest<'_>) {
+    fn is_begin_frame(e: &ast::Expr) -> bool {
+        match &*e.kind {
+            ast::ExprKind::Name(name) => name == "begin_frame",
+            ast::ExprKind::Group(inner) => is_begin_frame(inner),
+            _ => false,
+        }
+    }
+    match &stmt.kind {
+        ast::StmtKind::If { arms, otherwise } if arms.first().is_some_and(|(c, _)| is_begin_frame(c)) => {
+            (Some(&arms[0].1), Rest::Arms(&arms[1..], otherwise.as_ref()))
+        }
+        _ => (None, Rest::All),
+    }
+}

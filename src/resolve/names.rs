@@ -1,0 +1,107 @@
+//! The names that every program knows: constants, what the system provides, and what G-buffers usually hold.
+
+use std::f32::consts;
+
+/// A constant: name, components (one for a scalar), and what it is.
+pub struct Constant {
+    /// Its name.
+    pub name: &'static str,
+    /// One number for a scalar, more for a vector.
+    pub value: &'static [f32],
+    /// What it is.
+    pub brief: &'static str,
+}
+
+/// The constants. An input image's variable of the same name hides one; so does an assignment.
+pub static CONSTANTS: &[Constant] = &[
+    Constant { name: "pi", value: &[consts::PI], brief: "the ratio of a circle's circumference to its diameter" },
+    Constant { name: "infinity", value: &[f32::INFINITY], brief: "larger than any number" },
+    Constant { name: "white", value: &[1.0, 1.0, 1.0], brief: "the colour white" },
+    Constant { name: "black", value: &[0.0, 0.0, 0.0], brief: "the colour black" },
+    Constant { name: "gray", value: &[0.5, 0.5, 0.5], brief: "the linear colour half way between black and white" },
+    Constant { name: "red", value: &[1.0, 0.0, 0.0], brief: "the colour red" },
+    Constant { name: "green", value: &[0.0, 1.0, 0.0], brief: "the colour green" },
+    Constant { name: "blue", value: &[0.0, 0.0, 1.0], brief: "the colour blue" },
+    Constant { name: "cyan", value: &[0.0, 1.0, 1.0], brief: "the colour cyan" },
+    Constant { name: "magenta", value: &[1.0, 0.0, 1.0], brief: "the colour magenta" },
+    Constant { name: "yellow", value: &[1.0, 1.0, 0.0], brief: "the colour yellow" },
+    Constant { name: "true", value: &[1.0], brief: "1, what a comparison that holds gives" },
+    Constant { name: "false", value: &[0.0], brief: "0, what a comparison that does not hold gives" },
+];
+
+/// What the system gives every program, with what it is. Those in [`FRAME`] have one value for the frame.
+pub static SYSTEM: &[(&str, &str)] = &[
+    ("frame", "the number of the frame"),
+    ("begin_frame", "1 in what runs once a frame, 0 at the pixels"),
+    ("resolution", "[columns rows] of the image"),
+    ("pixel", "[column row] of this pixel, its centre at .5, rows counted from the top"),
+    ("pixelsize", "how far apart neighbouring pixels lie in the space of point, at this pixel"),
+    ("pixel_freq", "0.5 / pixelsize, the highest frequency that the pixels can show"),
+];
+
+/// The system's names that have one value for the frame.
+pub static FRAME: &[&str] = &["frame", "begin_frame", "resolution"];
+
+/// The variables that G-buffers usually hold: what a checker without an image takes for granted.
+pub static USUAL_INPUTS: &[&str] = &[
+    "surface", "point", "normal", "uv", "depth", "color", "alpha", "albedo", "motion", "I", "dPdu", "dPdv",
+];
+
+/// The constant of that name.
+pub fn constant(name: &str) -> Option<&'static Constant> {
+    CONSTANTS.iter().find(|c| c.name == name)
+}
+
+/// Does the system provide it?
+pub fn is_system(name: &str) -> bool {
+    SYSTEM.iter().any(|(n, _)| *n == name)
+}
+
+/// Has it one value for the frame, unless something hides it?
+pub fn is_frame_constant(name: &str) -> bool {
+    constant(name).is_some() || FRAME.contains(&name)
+}
+
+/// The component that a letter names, counted from 0.
+pub fn component(name: &str) -> Option<u32> {
+    Some(match name {
+        "x" | "r" => 0,
+        "y" | "g" => 1,
+        "z" | "b" => 2,
+        "w" | "a" => 3,
+        _ => return None,
+    })
+}
+
+/// The name out of `known` that a misspelt one most likely means.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = name.to_lowercase();
+    known
+        .into_iter()
+        .filter(|k| *k != name)
+        .map(|k| {
+            // A slip of case is no slip of spelling.
+            let distance = strsim::damerau_levenshtein(&lower, &k.to_lowercase());
+            (distance, k)
+        })
+        .filter(|(distance, k)| {
+            let length = name.chars().count().max(k.chars().count());
+            *distance <= if length <= 3 { usize::from(length > 1 || *distance == 0) } else { length.div_ceil(3).min(3) }
+        })
+        .min_by_key(|(distance, k)| (*distance, k.len().abs_diff(name.len()), *k))
+        .map(|(_, k)| k)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_names() {
+        let known = ["normal", "point", "noise", "norm", "x"];
+        assert_eq!(nearest("nrmal", known), Some("normal"));
+        assert_eq!(nearest("Point", known), Some("point"));
+        assert_eq!(nearest("zebra", known), None);
+        assert_eq!(nearest("q", known), None);
+    }
+}
