@@ -14,10 +14,13 @@ mod error;
 mod habit;
 mod layout;
 mod line;
+mod format;
 mod parse;
+mod print;
 mod token;
 
 pub use dump::tree;
+pub use format::format;
 pub use layout::MAX_BLOCKS;
 pub use line::{MAX_BRACKETS, MAX_DEPTH};
 pub use parse::{MAX_ERRORS, MAX_TEXT, Parsed, is_incomplete, parse};
