@@ -7,6 +7,8 @@ pub mod cli;
 pub mod diagnostic;
 pub mod eval;
 pub mod image;
+pub mod lanes;
+pub mod math;
 pub mod noise;
 pub mod resolve;
 pub mod scene;
