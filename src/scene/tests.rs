@@ -1,0 +1,1 @@
+//! Every scene, seen from outside.
