@@ -90,8 +90,8 @@ pub fn render(name: &str, options: &Options) -> Result<Image<'static>, SceneErro
 }
 
 /// A scene with a camera before it.
-struct View {
-    camera: Camera,
+pub(super) struct View {
+    pub camera: Camera,
     world: World,
     scale: f64,
     /// The sphere whose far side is wanted.
@@ -99,7 +99,7 @@ struct View {
 }
 
 impl View {
-    fn new(scene: &SceneInfo, options: &Options) -> Result<View, SceneError> {
+    pub fn new(scene: &SceneInfo, options: &Options) -> Result<View, SceneError> {
         let scale = options.scale;
         // Not `<`: a NaN must fail too. The limits keep every depth well below that of the background.
         if !(1e-3..=1e3).contains(&scale) {
@@ -151,7 +151,7 @@ impl View {
     }
 
     /// The surface met first, counted from 0, and where.
-    fn nearest(&self, ray: &Ray) -> Option<(usize, Hit)> {
+    pub fn nearest(&self, ray: &Ray) -> Option<(usize, Hit)> {
         let mut nearest: Option<(usize, Hit)> = None;
         for (i, surface) in self.world.iter().enumerate() {
             if let Some(hit) = surface.hit(ray)

@@ -11,6 +11,9 @@ const OVERLAP: f64 = 1e-9;
 /// Below this slope a ray counts as horizontal: its two crossings of a piece lie too close in t for the general way.
 const LEVEL: f64 = 1e-6;
 
+/// How far from the axis a line must pass a pole for its crossing to stand out of the rounding of the sextic.
+const NUDGE: f64 = 1e-6;
+
 /// A solid whose outline starts on the axis at the bottom and ends on the axis, with the solid to its left. u goes around
 /// the axis; v goes along the outline.
 #[derive(Clone, Debug)]
@@ -101,8 +104,9 @@ impl Part {
             height[0] -= o.z;
             let mut sextic = [0.0; 7];
             let [mut bx, mut by] = [height.map(|c| c * d.x), height.map(|c| c * d.y)];
-            bx[0] += d.z * o.x;
-            by[0] += d.z * o.y;
+            let near = if self.ring.low.x <= 0.0 { beside_axis(o, d) } else { o };
+            bx[0] += d.z * near.x;
+            by[0] += d.z * near.y;
             for i in 0..4 {
                 for j in 0..4 {
                     sextic[i + j] += d.z * d.z * x[i] * x[j] - bx[i] * bx[j] - by[i] * by[j];
@@ -153,6 +157,16 @@ impl Part {
     }
 }
 
+/// Moves a line that meets the axis a little aside. Through the very pole its crossing would be a double root, a touch; the
+/// polish, which takes the true line, takes the move back.
+fn beside_axis(o: DVec3, d: DVec3) -> DVec3 {
+    let flat = d.truncate();
+    let aside = DVec2::new(flat.y, -flat.x).try_normalize().unwrap_or(DVec2::X);
+    let miss = if flat == DVec2::ZERO { o.truncate().length() } else { o.truncate().dot(aside) };
+    let nudge = if miss < 0.0 { -NUDGE } else { NUDGE };
+    if miss.abs() < NUDGE { o + (aside * nudge).extend(0.0) } else { o }
+}
+
 impl Surface for Lathe {
     fn hit(&self, ray: &Ray) -> Option<Hit> {
         // Measure from the ray's nearest point to the foot: a far eye then costs no digits.
@@ -187,17 +201,111 @@ impl Surface for Lathe {
     }
 
     fn holds(&self, point: DVec3) -> bool {
-        // Going straight outward from inside, the outline is crossed an odd number of times.
-        let p = point - self.foot;
-        let across = libm::hypot(p.x, p.y);
-        let mut inside = false;
-        for part in &self.parts {
-            let mut height = part.piece.y;
-            height[0] -= p.z;
-            for &t in Roots::of(&height, 0.0, 1.0).as_slice() {
-                inside ^= evaluate(&part.piece.x, t).0 >= across - 1e-9;
+        // From inside, the first surface in any direction is met from behind; this one is along nothing of note.
+        let ray = Ray { origin: point, direction: DVec3::new(0.62, 0.53, 0.58).normalize() };
+        self.hit(&ray).is_some_and(|hit| hit.normal.dot(ray.direction) > 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::spline::polyline;
+    use super::super::vase::{HEIGHT, vase};
+    use super::*;
+
+    #[test]
+    fn the_outline_of_the_vase_is_closed() {
+        let vase = vase();
+        let ends = |part: &Part| {
+            [0.0, 1.0].map(|t| DVec2::new(evaluate(&part.piece.x, t).0, evaluate(&part.piece.y, t).0))
+        };
+        for pair in vase.parts.windows(2) {
+            assert!(ends(&pair[0])[1].distance(ends(&pair[1])[0]) < 1e-12, "{:?}", ends(&pair[0])[1]);
+            assert_eq!(pair[0].v[1], pair[1].v[0]);
+        }
+        let (first, last) = (&vase.parts[0], &vase.parts[vase.parts.len() - 1]);
+        assert_eq!(ends(first)[0], DVec2::ZERO);
+        assert!(ends(last)[1].x.abs() < 1e-12);
+        assert_eq!((first.v[0], last.v[1]), (0.0, 2.0));
+        // Only the axis may be at 0, and nothing is above the lip.
+        for part in &vase.parts {
+            for i in 1..100 {
+                let t = f64::from(i) / 100.0;
+                assert!(evaluate(&part.piece.x, t).0 > 0.0);
+                assert!(evaluate(&part.piece.y, t).0 <= HEIGHT + 1e-9);
             }
         }
-        inside
+    }
+
+    #[test]
+    fn a_straight_outline_is_a_cylinder() {
+        let lathe = Lathe::new(
+            DVec3::new(1.0, 2.0, 3.0),
+            &polyline(&[[0.0, 0.0], [0.5, 0.0], [0.5, 2.0], [0.0, 2.0]]),
+            3,
+        );
+        for slope in [0.0, 1e-12, 1e-7, 1e-5, -1e-3, 0.05] {
+            let direction = DVec3::new(0.0, 1.0, slope).normalize();
+            let ray = Ray { origin: DVec3::new(1.3, -10.0, 4.0), direction };
+            let hit = lathe.hit(&ray).expect("a hit");
+            let expected = DVec3::new(1.3, 1.6, 4.0 + 11.6 * slope);
+            assert!(hit.point.distance(expected) < 1e-10, "{slope}: {}", hit.point);
+            assert!(hit.normal.distance(DVec3::new(0.6, -0.8, 0.0)) < 1e-10, "{slope}: {}", hit.normal);
+        }
+        let down =
+            lathe.hit(&Ray { origin: DVec3::new(1.2, 2.1, 9.0), direction: DVec3::NEG_Z }).expect("a hit");
+        assert!(down.point.distance(DVec3::new(1.2, 2.1, 5.0)) < 1e-10 && down.normal == DVec3::Z);
+    }
+
+    #[test]
+    fn level_and_nearly_level_rays_meet_the_vase_alike() {
+        let vase = vase();
+        for i in 1..200 {
+            // Off the places where the outline itself is level.
+            let z = f64::from(i) * 0.0491 + 0.003;
+            for x in [0.0, 0.31, 0.87] {
+                let hit = |slope: f64| {
+                    let direction = DVec3::new(0.0, 1.0, slope).normalize();
+                    vase.hit(&Ray { origin: DVec3::new(x, -20.0, z), direction })
+                };
+                let level = hit(0.0).expect("a hit");
+                for slope in [1e-9, -1e-9, 0.99e-6, 1.01e-6, -1.01e-6, 1e-5] {
+                    let other = hit(slope).expect("a hit");
+                    let most = 1e-9 + 200.0 * slope.abs();
+                    assert!(level.point.distance(other.point) < most, "{z} {x} {slope}: {}", other.point);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_wall_is_solid_and_the_cavity_is_not() {
+        let vase = vase();
+        for (point, inside) in [
+            ([3.2, 0.0, 5.75], true),
+            ([0.0, 3.4, 5.75], false),
+            ([0.5, 0.5, 5.75], false),
+            ([0.0, 0.0, 1.0], true),
+            ([0.0, 0.0, 2.5], false),
+            ([0.0, 0.0, 12.0], false),
+        ] {
+            assert_eq!(vase.holds(point.into()), inside, "{point:?}");
+        }
+    }
+
+    #[test]
+    fn no_ray_slips_through_a_pole() {
+        let (vase, pole) = (vase(), DVec3::Z * 1.9);
+        for x in [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5] {
+            for y in [0.0, 0.05, -0.1] {
+                for aside in [0.0, 1e-12, 1e-8, 1e-6] {
+                    let from = pole + DVec3::new(x, y, 1.0) * 20.0;
+                    let ray = Ray { origin: from, direction: (pole + DVec3::X * aside - from).normalize() };
+                    let hit = vase.hit(&ray).expect("the bottom inside");
+                    let off = hit.point.distance(pole + DVec3::X * aside);
+                    assert!(off < 1e-6 && hit.normal.distance(DVec3::Z) < 1e-5, "{x} {y} {aside}: {hit:?}");
+                }
+            }
+        }
     }
 }

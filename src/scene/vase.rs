@@ -13,6 +13,7 @@ pub(super) fn vase() -> Lathe {
     let mut outline = polyline(&[[0.0, 0.0], [1.72, 0.0]]);
     // The foot: a torus that sits on a plinth.
     outline.extend(spline(&[[1.72, 0.0], [1.95, 0.2], [1.72, 0.42]], [1.0, 0.0], [-1.0, 0.0]));
+    outline.extend(polyline(&[[1.72, 0.42], [1.6, 0.42]]));
     // Stem, belly, shoulder, neck, and out to the lip.
     outline.extend(spline(
         &[
@@ -32,7 +33,7 @@ pub(super) fn vase() -> Lathe {
             [2.1, 9.94],
             [2.0, HEIGHT],
         ],
-        [-1.0, 0.15],
+        [-0.8, 0.6],
         [-1.0, 0.0],
     ));
     let outside = outline.len();
