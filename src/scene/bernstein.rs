@@ -106,11 +106,11 @@ pub(super) fn to_bernstein<const N: usize>(power: &[f64; N]) -> [f64; N] {
 /// De Casteljau's construction at the middle: the coefficients of both halves.
 fn halve<const N: usize>(mut b: [f64; N]) -> ([f64; N], [f64; N]) {
     let mut left = b;
-    for level in 1..N {
+    for (level, corner) in left.iter_mut().enumerate().skip(1) {
         for i in 0..N - level {
             b[i] = 0.5 * (b[i] + b[i + 1]);
         }
-        left[level] = b[0];
+        *corner = b[0];
     }
     // What remains of the triangle is its right edge: b[i] after N - 1 - i averagings.
     (left, b)

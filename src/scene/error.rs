@@ -113,6 +113,19 @@ impl SceneError {
         }
     }
 
+    /// The same with its points in a space that is so much larger, as the user gave them.
+    pub(super) fn scaled(mut self, scale: f64) -> SceneError {
+        match &mut self {
+            SceneError::BadPoint { point, limit, .. } => {
+                *point = point.map(|c| c * scale);
+                *limit *= scale;
+            }
+            SceneError::NoDirection { point } => *point = point.map(|c| c * scale),
+            _ => {}
+        }
+        self
+    }
+
     /// The same as the error type of the language.
     pub fn diagnostic(&self) -> Diagnostic {
         Diagnostic::bare("scene", self.message()).hint(self.hint())

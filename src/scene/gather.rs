@@ -114,7 +114,8 @@ impl View {
             options.fov,
             scene.frame.map(|side| side / distance),
             [options.width, options.height],
-        )?;
+        )
+        .map_err(|error| error.scaled(scale))?;
         let world = scene.build(&camera)?;
         if let Some(i) = world.iter().position(|surface| surface.holds(camera.eye)) {
             let instead = scene.eye.map(|c| c * scale);

@@ -1,7 +1,7 @@
 //! Visible surface finders: built-in scenes, each traced into a G-buffer for programs to paint.
 //!
 //! [`render`] sends one ray through the centre of each pixel and meets the scene's surfaces by formula, in `f64`,
-//! so points and normals are exact to the last bit or so of the `f32` that is stored. [`scenes`] lists what there is.
+//! so points and normals are exact to the last bit or so of the `f32` that is stored. [`scenes()`] lists what there is.
 //!
 //! # Conventions
 //!

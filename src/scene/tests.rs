@@ -324,6 +324,8 @@ fn errors_say_what_to_do() {
     for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(say("donut", Options { scale, ..small() }).contains("0.001 to 1000"));
     }
+    let still = Options { look_at: Some([4.0, 0.0, 8.0]), scale: 2.0, ..seen_from([4.0, 0.0, 8.0]) };
+    assert!(say("donut", still).contains("4,0,8"));
     let error = render("donut", &options(0, 1)).expect_err("an error");
     assert_eq!(error.diagnostic().hints, [error.hint()]);
 }
