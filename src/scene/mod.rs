@@ -1,1 +1,65 @@
+//! Visible surface finders: built-in scenes, each traced into a G-buffer for programs to paint.
+//!
+//! [`render`] sends one ray through the centre of each pixel and meets the scene's surfaces by formula, in `f64`,
+//! so points and normals are exact to the last bit or so of the `f32` that is stored. [`scenes()`] lists what there is.
+//!
+//! # Conventions
+//!
+//! - Space is right-handed with **z up**. The default cameras look towards +y, so x grows to the right of the picture.
+//! - `surface` is 0 where nothing was hit, else a number from 1 (see [`SceneInfo::surfaces`]).
+//! - `point`, `dPdu` and `dPdv` are in world units; `normal` and `I` are unit vectors of the same space.
+//! - `normal` points out of a solid. A flat sheet has two sides; its normal is turned towards the eye.
+//! - `depth` is the distance along the view axis, not along the ray, and 1e10 where nothing was hit, as in Blender.
+//! - `I` is the direction from the eye through the pixel, at every pixel, so that a sky can be painted.
+//! - `uv`: on round things u goes once around the z axis from 0 to 1, counterclockwise seen from above, with its
+//!   seam at the back (+y); `cross(dPdu, dPdv)` points along the outward normal. At a pole `dPdu` is 0.
+//! - Where nothing was hit, everything but `depth` and `I` is 0.
 
+mod bernstein;
+mod camera;
+mod cuboid;
+mod error;
+mod gather;
+mod lathe;
+mod parse;
+mod plane;
+mod ray;
+mod scenes;
+mod sphere;
+mod spline;
+mod torus;
+mod vase;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::SceneError;
+pub use gather::render;
+pub use parse::{parse_point, parse_size};
+pub use scenes::{SceneInfo, find, scenes};
+
+/// How to picture a scene. What is `None` takes the scene's own default.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Where the eye is, in world units.
+    pub eye: Option<[f64; 3]>,
+    /// The point that appears in the middle of the picture, in world units.
+    pub look_at: Option<[f64; 3]>,
+    /// The vertical angle that the picture spans, in degrees, between 0 and 180. By default the scene's frame just
+    /// fits, whatever the proportions of the picture.
+    pub fov: Option<f64>,
+    /// Makes the whole scene larger in the space of `point`, default camera included: the outlines stay, and a space
+    /// function such as `Noise(point)` shows finer detail. An eye or look-at point given is in the scaled space.
+    pub scale: f64,
+}
+
+impl Default for Options {
+    /// 640 by 480, the scene's own camera, no scaling.
+    fn default() -> Options {
+        Options { width: 640, height: 480, eye: None, look_at: None, fov: None, scale: 1.0 }
+    }
+}

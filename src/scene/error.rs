@@ -1,0 +1,151 @@
+//! What can be wrong with the wish for a scene, and what to do about it.
+
+use crate::diagnostic::Diagnostic;
+use std::fmt;
+
+/// Why a scene cannot be rendered. Its text says what is wrong and then what to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SceneError {
+    /// No scene has that name.
+    UnknownScene {
+        /// As asked for.
+        name: String,
+        /// The most similar name there is, if any is similar.
+        nearest: Option<&'static str>,
+        /// All names.
+        names: Vec<&'static str>,
+    },
+    /// No columns, no rows, or more pixels than can be held.
+    BadSize {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// The planes of a picture of that size do not fit into memory.
+    OutOfMemory {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// A camera's point that is not finite or too far away.
+    BadPoint {
+        /// `eye` or `look_at`.
+        what: &'static str,
+        /// As given.
+        point: [f64; 3],
+        /// The largest coordinate allowed.
+        limit: f64,
+    },
+    /// The eye is the very point that it looks at.
+    NoDirection {
+        /// That point.
+        point: [f64; 3],
+    },
+    /// The angle is not between 0 and 180 degrees.
+    BadFov(f64),
+    /// The scale is not a positive number of a usable size.
+    BadScale(f64),
+    /// The eye is inside a solid, in the plane of a sheet, or under water.
+    EyeInside {
+        /// What it is in, as a noun.
+        what: &'static str,
+        /// The scene's default eye, at the scale asked for.
+        instead: [f64; 3],
+    },
+    /// The scene needs the origin before the eye.
+    OriginBehind,
+    /// A text that should be a size or a point.
+    BadText {
+        /// The text.
+        text: String,
+        /// What it should be, with an example.
+        expected: &'static str,
+    },
+}
+
+impl SceneError {
+    /// What is wrong, one sentence without a full stop.
+    pub fn message(&self) -> String {
+        use SceneError::*;
+        match self {
+            UnknownScene { name, .. } => format!("there is no scene `{name}`"),
+            BadSize { width, height } if *width == 0 || *height == 0 => {
+                format!("a picture of {width}x{height} has no pixels")
+            }
+            BadSize { width, height } => format!("a picture of {width}x{height} is too large"),
+            OutOfMemory { width, height } => {
+                format!("the memory does not suffice for a picture of {width}x{height}")
+            }
+            BadPoint { what, point, .. } if point.iter().any(|c| !c.is_finite()) => {
+                format!("{what} {} is not a finite point", Point(*point))
+            }
+            BadPoint { what, point, .. } => format!("{what} {} is too far away", Point(*point)),
+            NoDirection { point } => format!("the eye looks at the point where it is, {}", Point(*point)),
+            BadFov(fov) => format!("a field of view of {fov} degrees shows nothing"),
+            BadScale(scale) => format!("a scene cannot be scaled by {scale}"),
+            EyeInside { what, .. } => format!("the eye is in the {what}"),
+            OriginBehind => "the scene's card goes through the origin, which is not before the eye".into(),
+            BadText { text, .. } if text.trim().is_empty() => "there is nothing to read".into(),
+            BadText { text, .. } => format!("`{text}` cannot be read"),
+        }
+    }
+
+    /// What to do about it, without a full stop.
+    pub fn hint(&self) -> String {
+        use SceneError::*;
+        match self {
+            UnknownScene { nearest: Some(nearest), .. } => format!("did you mean `{nearest}`?"),
+            UnknownScene { names, .. } => format!("the scenes are {}", names.join(", ")),
+            BadSize { width, height } if *width == 0 || *height == 0 => {
+                "give at least one column and one row".into()
+            }
+            BadSize { .. } => format!("give at most {} pixels", super::gather::MAX_PIXELS),
+            OutOfMemory { .. } => "give a smaller size".into(),
+            BadPoint { limit, .. } => format!("give three numbers between -{limit} and {limit}"),
+            NoDirection { .. } => "move the eye away from the point it looks at".into(),
+            BadFov(_) => "give an angle between 0 and 180 degrees, for example 40".into(),
+            BadScale(_) => "give a number from 0.001 to 1000".into(),
+            EyeInside { instead, .. } => format!("move it out, for example to {}", Point(*instead)),
+            OriginBehind => "look towards 0,0,0, or step back from it".into(),
+            BadText { expected, .. } => format!("give {expected}"),
+        }
+    }
+
+    /// The same with its points in a space that is so much larger, as the user gave them.
+    pub(super) fn scaled(mut self, scale: f64) -> SceneError {
+        match &mut self {
+            SceneError::BadPoint { point, limit, .. } => {
+                *point = point.map(|c| c * scale);
+                *limit *= scale;
+            }
+            SceneError::NoDirection { point } => *point = point.map(|c| c * scale),
+            _ => {}
+        }
+        self
+    }
+
+    /// The same as the error type of the language.
+    pub fn diagnostic(&self) -> Diagnostic {
+        Diagnostic::bare("scene", self.message()).hint(self.hint())
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; {}", self.message(), self.hint())
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+/// A point as the command line takes it: `1,-2.5,0`.
+struct Point([f64; 3]);
+
+impl fmt::Display for Point {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.0;
+        write!(f, "{x},{y},{z}")
+    }
+}

@@ -1,0 +1,166 @@
+//! From a scene to an image: a ray for each pixel, rows shared out to threads.
+
+use super::Options;
+use super::camera::Camera;
+use super::error::SceneError;
+use super::ray::{Hit, Ray};
+use super::scenes::{self, SceneInfo, World};
+use super::sphere::Sphere;
+use crate::image::{Image, Variable};
+use crate::shape::Shape;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// The most pixels of a picture: 16384 by 8192, some 9 gigabytes of planes.
+pub(super) const MAX_PIXELS: usize = 1 << 27;
+
+/// `depth` where nothing was hit, as Blender writes it.
+const NOTHING: f64 = 1e10;
+
+/// The variables, in their order, with the number of planes of each.
+const VARIABLES: [(&str, u32); 8] = [
+    ("surface", 1),
+    ("point", 3),
+    ("normal", 3),
+    ("depth", 1),
+    ("uv", 2),
+    ("I", 3),
+    ("dPdu", 3),
+    ("dPdv", 3),
+];
+
+/// The variables of the far side, which follow in scenes that have it.
+const EXITS: [(&str, u32); 3] = [("exit_point", 3), ("exit_normal", 3), ("exit_uv", 2)];
+
+/// Planes of the one and of the other.
+const CELLS: usize = 19;
+const EXIT_CELLS: usize = 8;
+
+/// Renders the scene of that name; see the module's conventions for what the image holds.
+pub fn render(name: &str, options: &Options) -> Result<Image<'static>, SceneError> {
+    let scene = scenes::find(name)?;
+    let (width, height) = (options.width, options.height);
+    if !width.checked_mul(height).is_some_and(|n| n > 0 && n <= MAX_PIXELS) {
+        return Err(SceneError::BadSize { width, height });
+    }
+    let view = View::new(scene, options)?;
+
+    // One plane after another is filled with zeros, so that a lack of memory is an error and no abort.
+    let variables = || VARIABLES.iter().chain(EXITS.iter().filter(|_| scene.exits));
+    let count = variables().map(|v| v.1 as usize).sum();
+    let mut planes: Vec<Vec<f32>> = Vec::with_capacity(count);
+    for _ in 0..count {
+        let mut plane = Vec::new();
+        plane.try_reserve_exact(width * height).map_err(|_| SceneError::OutOfMemory { width, height })?;
+        plane.resize(width * height, 0.0);
+        planes.push(plane);
+    }
+
+    // Cut all planes into the same bands of pixels, and give each band to some thread.
+    let band = 4096.min(width * height);
+    let mut bands: Vec<Vec<&mut [f32]>> = Vec::new();
+    for plane in &mut planes {
+        for (i, part) in plane.chunks_mut(band).enumerate() {
+            match bands.get_mut(i) {
+                Some(parts) => parts.push(part),
+                None => bands.push(vec![part]),
+            }
+        }
+    }
+    bands.par_iter_mut().enumerate().for_each(|(i, parts)| {
+        for j in 0..parts[0].len() {
+            let pixel = i * band + j;
+            let cells = view.pixel(pixel % width, pixel / width);
+            for (part, cell) in parts.iter_mut().zip(cells) {
+                part[j] = cell as f32;
+            }
+        }
+    });
+
+    let mut planes = planes.into_iter();
+    let variables = variables()
+        .map(|&(name, cells)| Variable {
+            name: name.into(),
+            shape: if cells == 1 { Shape::Scalar } else { Shape::Vector(cells) },
+            planes: planes.by_ref().take(cells as usize).map(Cow::Owned).collect(),
+        })
+        .collect();
+    Ok(Image { width, height, variables, metadata: Default::default() })
+}
+
+/// A scene with a camera before it.
+pub(super) struct View {
+    pub camera: Camera,
+    world: World,
+    scale: f64,
+    /// The sphere whose far side is wanted.
+    exit: Option<Sphere>,
+}
+
+impl View {
+    pub fn new(scene: &SceneInfo, options: &Options) -> Result<View, SceneError> {
+        let scale = options.scale;
+        // Not `<`: a NaN must fail too. The limits keep every depth well below that of the background.
+        if !(1e-3..=1e3).contains(&scale) {
+            return Err(SceneError::BadScale(scale));
+        }
+        let place =
+            |given: Option<[f64; 3]>, default| given.map_or(DVec3::from(default), |p| DVec3::from(p) / scale);
+        let distance = DVec3::from(scene.eye).distance(scene.look_at.into());
+        let camera = Camera::new(
+            place(options.eye, scene.eye),
+            place(options.look_at, scene.look_at),
+            options.fov,
+            scene.frame.map(|side| side / distance),
+            [options.width, options.height],
+        )
+        .map_err(|error| error.scaled(scale))?;
+        let world = scene.build(&camera)?;
+        if let Some(i) = world.iter().position(|surface| surface.holds(camera.eye)) {
+            let instead = scene.eye.map(|c| c * scale);
+            return Err(SceneError::EyeInside { what: scene.surfaces[i], instead });
+        }
+        let exit = scene.exits.then_some(Sphere { center: DVec3::ZERO, radius: 1.0 });
+        Ok(View { camera, world, scale, exit })
+    }
+
+    /// The values of a pixel, in the order of the variables.
+    fn pixel(&self, column: usize, row: usize) -> [f64; CELLS + EXIT_CELLS] {
+        let ray = self.camera.ray(column as f64 + 0.5, row as f64 + 0.5);
+        let incident = ray.direction.to_array();
+        let mut cells = [0.0; CELLS + EXIT_CELLS];
+        cells[7] = NOTHING;
+        cells[10..13].copy_from_slice(&incident);
+        let Some((surface, hit)) = self.nearest(&ray) else { return cells };
+
+        let s = self.scale;
+        cells[0] = (surface + 1) as f64;
+        cells[1..4].copy_from_slice(&(hit.point * s).to_array());
+        cells[4..7].copy_from_slice(&hit.normal.to_array());
+        cells[7] = hit.distance * ray.direction.dot(self.camera.forward) * s;
+        cells[8..10].copy_from_slice(&hit.uv.to_array());
+        cells[13..16].copy_from_slice(&(hit.dpdu * s).to_array());
+        cells[16..19].copy_from_slice(&(hit.dpdv * s).to_array());
+        if let Some((sphere, [_, far])) = self.exit.and_then(|e| Some((e, e.span(&ray)?))) {
+            let exit = sphere.place(&ray, far);
+            cells[19..22].copy_from_slice(&(exit.point * s).to_array());
+            cells[22..25].copy_from_slice(&exit.normal.to_array());
+            cells[25..27].copy_from_slice(&exit.uv.to_array());
+        }
+        cells
+    }
+
+    /// The surface met first, counted from 0, and where.
+    pub fn nearest(&self, ray: &Ray) -> Option<(usize, Hit)> {
+        let mut nearest: Option<(usize, Hit)> = None;
+        for (i, surface) in self.world.iter().enumerate() {
+            if let Some(hit) = surface.hit(ray)
+                && nearest.is_none_or(|(_, n)| hit.distance < n.distance)
+            {
+                nearest = Some((i, hit));
+            }
+        }
+        nearest
+    }
+}
