@@ -3,7 +3,7 @@
 use crate::diagnostic::{Diagnostic, Sources, Style};
 use crate::eval::{self, HostFunction};
 use crate::host::{Host, NoFiles};
-use crate::image::Image;
+use crate::image::{Image, Variable};
 use crate::resolve::{self, HostFunctions, Resolved};
 use crate::shape::Shape;
 use crate::value::PixelValue;
@@ -74,15 +74,6 @@ impl<'h> Compiler<'h> {
     }
 }
 
-/// A `param` of a program.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParamInfo {
-    /// Its name.
-    pub name: String,
-    /// Its default, where that needs no image.
-    pub value: Option<PixelValue>,
-}
-
 impl Program {
     /// Compiles a program without imports.
     ///
@@ -118,7 +109,12 @@ impl Program {
         variables: &[(&str, PixelValue)],
         options: &RunOptions<'_>,
     ) -> Result<Vec<(String, PixelValue)>, Error> {
-        let image = Image::of_pixel(variables);
+        let variables = variables.iter().map(|(name, value)| Variable {
+            name: name.to_string(),
+            shape: value.shape().clone(),
+            planes: value.cells().iter().map(|&x| vec![x].into()).collect(),
+        });
+        let image = Image { width: 1, height: 1, variables: variables.collect(), ..Image::default() };
         self.eval_pixel_of(&image, 0, 0, options)
     }
 
@@ -137,7 +133,8 @@ impl Program {
         options: &RunOptions<'_>,
     ) -> Result<Vec<(String, PixelValue)>, Error> {
         assert!(column < image.width && row < image.height, "the image has no pixel [{column} {row}]");
-        eval::eval_pixel(&self.resolved, image, row * image.width + column, options).map_err(|f| self.error(f))
+        eval::eval_pixel(&self.resolved, image, row * image.width + column, options)
+            .map_err(|f| self.error(f))
     }
 
     /// The program after names were resolved.

@@ -6,7 +6,7 @@
 
 mod call;
 
-pub use call::{Call, Fault};
+pub use call::{Call, Fault, map2};
 
 use crate::lanes::{Arg, Isa};
 use crate::value::Value;
@@ -118,6 +118,12 @@ impl Param {
     /// A string out of a list; the first is the default.
     pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Param {
         Param { name, default: None, kind: ParamKind::Choice(of) }
+    }
+}
+
+impl std::fmt::Debug for Builtin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.signature())
     }
 }
 

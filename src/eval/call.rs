@@ -44,7 +44,13 @@ impl<'r> Machine<'r> {
     }
 
     /// A call: what it returned, and the lanes that came to the end of its block without a return.
-    pub fn invoke(&mut self, f: u32, args: &'r [Expr], span: Span, mask: &Mask) -> Result<(Option<Value>, Mask)> {
+    pub fn invoke(
+        &mut self,
+        f: u32,
+        args: &'r [Expr],
+        span: Span,
+        mask: &Mask,
+    ) -> Result<(Option<Value>, Mask)> {
         let values = self.arguments(args, mask)?;
         self.step(mask, span)?;
         let program = self.program;
@@ -107,8 +113,15 @@ impl<'r> Machine<'r> {
                 };
                 let clash = |m| {
                     let shape = |i: usize| &values[i].shape;
-                    let differ = |a: usize, b: usize| crate::value::broadcast_shape(shape(a), shape(b)).is_err();
-                    let (a, b) = if differ(0, 1) { (0, 1) } else if differ(1, 2) { (1, 2) } else { (0, 2) };
+                    let differ =
+                        |a: usize, b: usize| crate::value::broadcast_shape(shape(a), shape(b)).is_err();
+                    let (a, b) = if differ(0, 1) {
+                        (0, 1)
+                    } else if differ(1, 2) {
+                        (1, 2)
+                    } else {
+                        (0, 2)
+                    };
                     (m, a, b)
                 };
                 crate::value::map3(&values[0], &values[1], &values[2], f).map_err(clash)
@@ -124,7 +137,8 @@ impl<'r> Machine<'r> {
             Kernel::Whole(kernel) => {
                 let max_cells = self.limits.cells;
                 let call = builtin::Call { isa, n, mask, args: &values, max_cells };
-                let value = kernel(&call).map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
+                let value = kernel(&call)
+                    .map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
                 if value.planes.len() > 4 {
                     self.check_cells(value.planes.len(), span, mask)?;
                     self.check_memory()?;
@@ -173,7 +187,13 @@ impl<'r> Machine<'r> {
         }
     }
 
-    pub fn call_host(&mut self, host: &HostFunction, args: &'r [Expr], span: Span, mask: &Mask) -> Result<Value> {
+    pub fn call_host(
+        &mut self,
+        host: &HostFunction,
+        args: &'r [Expr],
+        span: Span,
+        mask: &Mask,
+    ) -> Result<Value> {
         let values = self.arguments(args, mask)?;
         let failed = |machine: &Machine<'_>, why: String, lane: usize| {
             let error = Diagnostic::error("call", format!("{}(): {why}", host.name()), span);

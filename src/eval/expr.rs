@@ -51,9 +51,9 @@ impl<'r> Machine<'r> {
                     machine.index(value, &index_value, base.span, index.span, mask)
                 })
             }
-            ExprKind::Component(base, i) => {
-                self.with(base, mask, |machine, value, mask| machine.component(value, *i, base.span, e.span, mask))
-            }
+            ExprKind::Component(base, i) => self.with(base, mask, |machine, value, mask| {
+                machine.component(value, *i, base.span, e.span, mask)
+            }),
             ExprKind::Call(f, args) => self.call(*f, args, e.span, mask),
             ExprKind::Builtin(builtin, args) => self.call_builtin(builtin, args, e.span, mask),
             ExprKind::Host(host, args) => self.call_host(host, args, e.span, mask),
@@ -193,11 +193,16 @@ impl<'r> Machine<'r> {
             if !value.shape.is_scalar() {
                 let message = format!("the end of a range is {}", value.shape);
                 let lane = self.first(mask);
-                return Err(self.fault(Diagnostic::error("shape", message, e.span).hint("Both ends are scalars."), lane));
+                return Err(self.fault(
+                    Diagnostic::error("shape", message, e.span).hint("Both ends are scalars."),
+                    lane,
+                ));
             }
         }
         let n = self.n;
-        let count = |lane: usize| (last.planes[0].lane(lane) - first.planes[0].lane(lane) + RANGE_SLACK).floor() + 1.0;
+        let count = |lane: usize| {
+            (last.planes[0].lane(lane) - first.planes[0].lane(lane) + RANGE_SLACK).floor() + 1.0
+        };
         let lane = self.first(mask);
         let length = count(lane);
         if !(first.is_uniform() && last.is_uniform()) {

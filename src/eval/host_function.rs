@@ -1,7 +1,7 @@
 //! Functions that the embedding program adds to the language.
 
 use crate::shape::Shape;
-use crate::value::{Lanes, Plane, PixelValue, Value};
+use crate::value::{Lanes, PixelValue, Plane, Value};
 use std::fmt;
 
 type ForPixel = dyn Fn(&[PixelValue]) -> Result<PixelValue, String> + Send + Sync;

@@ -16,7 +16,14 @@ pub(super) enum Picked {
 
 impl Machine<'_> {
     /// `value[index]`.
-    pub fn index(&self, value: &Value, index: &Value, span: Span, index_span: Span, mask: &Mask) -> Result<Value> {
+    pub fn index(
+        &self,
+        value: &Value,
+        index: &Value,
+        span: Span,
+        index_span: Span,
+        mask: &Mask,
+    ) -> Result<Value> {
         if value.shape.is_scalar() {
             return Err(self.no_vector(value, span, mask));
         }
@@ -64,7 +71,8 @@ impl Machine<'_> {
                 1 => format!("there is no element {} in a vector of 1", number(x)),
                 _ => format!("there is no element {} in a vector of {count}", number(x)),
             };
-            let shown = if value.shape.len().is_some_and(|n| n <= 8) { value.show(lane) } else { String::new() };
+            let shown =
+                if value.shape.len().is_some_and(|n| n <= 8) { value.show(lane) } else { String::new() };
             let mut error = Diagnostic::error("index", message, span);
             if !shown.is_empty() {
                 error = error.label(span, format!("the vector is {shown}"));

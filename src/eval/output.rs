@@ -45,7 +45,9 @@ impl Output<'_> {
         let found = Output::written(&self.name, found);
         match (&self.shape, &found) {
             (a, b) if a == b => Some(found),
-            (Shape::Vector(3), Shape::Vector(4)) | (Shape::Vector(4), Shape::Vector(3)) if self.is_color() => {
+            (Shape::Vector(3), Shape::Vector(4)) | (Shape::Vector(4), Shape::Vector(3))
+                if self.is_color() =>
+            {
                 Some(Shape::Vector(4))
             }
             (shape, _) if self.seen.is_none() && self.color_has(&found) => {

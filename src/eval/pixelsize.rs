@@ -13,7 +13,9 @@ pub(super) fn plane(image: &Image<'_>) -> Vec<f32> {
     let [_, rows] = image.resolution();
     let unit = 1.0 / rows.max(1) as f32;
     let mut out = vec![unit; width * height];
-    let Some(point) = image.variable("point").filter(|p| matches!(p.shape, Shape::Vector(1..))) else { return out };
+    let Some(point) = image.variable("point").filter(|p| matches!(p.shape, Shape::Vector(1..))) else {
+        return out;
+    };
     let surface = image.variable("surface").filter(|s| s.shape == Shape::Scalar);
     let distance = |a: usize, b: usize| -> Option<f32> {
         if let Some(surface) = surface
@@ -56,7 +58,11 @@ mod tests {
             height: 1,
             variables: vec![
                 Variable { name: "point".into(), shape: Shape::Vector(1), planes: vec![x.into()] },
-                Variable { name: "surface".into(), shape: Shape::Scalar, planes: vec![vec![1.0, 1.0, 2.0, 2.0].into()] },
+                Variable {
+                    name: "surface".into(),
+                    shape: Shape::Scalar,
+                    planes: vec![vec![1.0, 1.0, 2.0, 2.0].into()],
+                },
             ],
             metadata: Default::default(),
         };

@@ -161,7 +161,12 @@ struct Worker<'r> {
 type Sink<'s> = dyn FnMut(&Machine<'_>, Pixels<'_>) -> Result<(), Misfit> + 's;
 
 impl<'r> Worker<'r> {
-    fn new(program: &'r Resolved, bound: &'r Bound<'r>, options: &Options<'r>, by_normal: bool) -> Worker<'r> {
+    fn new(
+        program: &'r Resolved,
+        bound: &'r Bound<'r>,
+        options: &Options<'r>,
+        by_normal: bool,
+    ) -> Worker<'r> {
         let machine = Machine::new(program, bound, options.isa(), options.limits, options.cancel);
         Worker { machine, by_normal }
     }
@@ -304,7 +309,9 @@ impl<'r> Job<'r> {
                 found = self
                     .outputs
                     .iter()
-                    .map(|o| o.slot.and_then(|i| Some(machine.globals[i as usize].value.as_ref()?.shape.clone())))
+                    .map(|o| {
+                        o.slot.and_then(|i| Some(machine.globals[i as usize].value.as_ref()?.shape.clone()))
+                    })
                     .collect();
                 Ok(())
             });
@@ -340,8 +347,11 @@ impl<'r> Job<'r> {
                 let [column, row] = self.bound.position(p);
                 format!(" at pixel [{column} {row}]")
             });
-            Diagnostic::bare("output", format!("{name} is {} here, and {}{other}", misfit.shape, output.shape))
-                .hint("An output has one shape at all pixels; only a scalar is spread over a vector.")
+            Diagnostic::bare(
+                "output",
+                format!("{name} is {} here, and {}{other}", misfit.shape, output.shape),
+            )
+            .hint("An output has one shape at all pixels; only a scalar is spread over a vector.")
         } else {
             Diagnostic::bare("output", format!("color is {}", misfit.shape))
                 .hint("A colour is a scalar (grey), [red green blue], or [red green blue alpha].")

@@ -78,7 +78,14 @@ impl<'r> Machine<'r> {
         })
     }
 
-    fn store_element(&mut self, place: Place, name: Span, path: &[At], new: Value, mask: &Mask) -> Result<()> {
+    fn store_element(
+        &mut self,
+        place: Place,
+        name: Span,
+        path: &[At],
+        new: Value,
+        mask: &Mask,
+    ) -> Result<()> {
         self.check_memory()?;
         let n = self.n;
         let slot = std::mem::replace(self.slot(place), Slot::EMPTY);
@@ -136,11 +143,14 @@ impl<'r> Machine<'r> {
                 let first = which[self.first(mask)];
                 let n = self.n;
                 let here = |i: u32| {
-                    let (chosen, _) = mask.split(&Plane::filled(n, |out| {
-                        for (out, &w) in out.iter_mut().zip(&which) {
-                            *out = f32::from(u8::from(w == i));
-                        }
-                    }), n);
+                    let (chosen, _) = mask.split(
+                        &Plane::filled(n, |out| {
+                            for (out, &w) in out.iter_mut().zip(&which) {
+                                *out = f32::from(u8::from(w == i));
+                            }
+                        }),
+                        n,
+                    );
                     chosen
                 };
                 if mask.lanes(n).all(|lane| which[lane] == first) {

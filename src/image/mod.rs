@@ -1,5 +1,9 @@
 //! Images: named variables over a 2-D array of pixels; reading and writing them.
 
+mod build;
+
+pub use build::BuildError;
+
 use crate::shape::Shape;
 use std::borrow::Cow;
 

@@ -28,9 +28,7 @@ impl Resolver<'_> {
     }
 
     pub fn call(&mut self, name: &ast::Name, args: &[ast::Argument], span: Span, scope: &mut Scope) -> Expr {
-        let kind = if let Some(&(function, index)) =
-            self.own.get(&name.text).filter(|_| !scope.library)
-        {
+        let kind = if let Some(&(function, index)) = self.own.get(&name.text).filter(|_| !scope.library) {
             self.call_function(function, index, false, args, span, scope)
         } else if let Some(host) = self.hosts.get(&name.text).filter(|_| !scope.library).cloned() {
             let signature = Signature {
@@ -38,9 +36,8 @@ impl Resolver<'_> {
                 params: host.params().iter().map(|p| (p.clone(), false)).collect(),
                 rest: None,
             };
-            self.arguments(&signature, args, span, scope).map(|args| {
-                ExprKind::Host(host, args.into_iter().flatten().flatten().collect())
-            })
+            self.arguments(&signature, args, span, scope)
+                .map(|args| ExprKind::Host(host, args.into_iter().flatten().flatten().collect()))
         } else if let Some(entry) = library::find(&name.text) {
             let index = match self.library.get(entry.name.as_str()) {
                 Some(&index) => index,
@@ -53,7 +50,9 @@ impl Resolver<'_> {
                     index
                 }
             };
-            self.call_function(&entry.function, index, true, args, span, scope)
+            let source = library::source(self.sources, entry);
+            let function = library::function(entry, source);
+            self.call_function(&function, index, true, args, span, scope)
         } else if let Some(builtin) = builtin::find(&name.text) {
             self.call_builtin(builtin, args, span, scope)
         } else {
@@ -73,7 +72,11 @@ impl Resolver<'_> {
         let local = scope.locals.as_ref().is_some_and(|l| l.contains_key(&name.text));
         let variable = local
             || names::constant(&name.text).is_some()
-            || self.out.globals.iter().any(|g| g.name == name.text && (g.assigned.is_some() || g.framed.is_some()));
+            || self
+                .out
+                .globals
+                .iter()
+                .any(|g| g.name == name.text && (g.assigned.is_some() || g.framed.is_some()));
         if variable {
             return error(format!("{} is a variable, no function", name.text))
                 .hint(format!("To take an element of a vector write {}[1].", name.text));
@@ -90,6 +93,10 @@ impl Resolver<'_> {
             Some(near) => error.hint(format!("Did you mean {near}()?")),
             None => error.hint("pse doc lists the built-in functions; function name(a, b) defines one."),
         }
+    }
+
+    fn signature(&self, function: &ast::Function) -> String {
+        syntax::signature(function, &self.sources.get(function.name.span.source).text)
     }
 
     fn call_function(
@@ -109,7 +116,7 @@ impl Resolver<'_> {
         }
         let params: Vec<(String, bool)> =
             function.params.iter().map(|(name, default)| (name.text.clone(), default.is_some())).collect();
-        let signature = Signature { text: syntax::signature(function), params, rest: None };
+        let signature = Signature { text: self.signature(function), params, rest: None };
         let given = self.arguments(&signature, args, span, scope)?;
         let mut outer = Scope { library, frame: scope.frame, ..Scope::default() };
         let args = given.into_iter().zip(&function.params).filter_map(|(given, (_, default))| {
@@ -239,7 +246,8 @@ impl Resolver<'_> {
                         let params = signature.params.iter().map(|(p, _)| p.as_str());
                         let near = names::nearest(&name.text, params).map(|n| format!("Did you mean {n}?"));
                         let message = format!("there is no parameter called {}", name.text);
-                        let error = Diagnostic::error("arity", message, name.span).hint(near.unwrap_or(usage.clone()));
+                        let error = Diagnostic::error("arity", message, name.span)
+                            .hint(near.unwrap_or(usage.clone()));
                         self.errors.push(error);
                         ok = false;
                         continue;

@@ -57,7 +57,9 @@ impl Gatherer<'_> {
             Err(why) => {
                 let error = Diagnostic::error("import", format!("cannot import \"{path}\""), span)
                     .label(span, why)
-                    .hint("An import is found beside the file that imports it, then in the folders of --path.");
+                    .hint(
+                        "An import is found beside the file that imports it, then in the folders of --path.",
+                    );
                 self.errors.push(error);
                 return;
             }

@@ -75,12 +75,8 @@ pub(super) fn function(entry: &Entry, source: SourceId) -> ast::Function {
 fn entry(file: &'static str, text: &str, function: ast::Function) -> Entry {
     let start = function.name.span.start as usize;
     let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
-    let mut comment: Vec<&str> = text[..line]
-        .lines()
-        .rev()
-        .take_while(|l| l.starts_with('#'))
-        .map(|l| &l[1..])
-        .collect();
+    let mut comment: Vec<&str> =
+        text[..line].lines().rev().take_while(|l| l.starts_with('#')).map(|l| &l[1..]).collect();
     comment.reverse();
     let (examples, prose): (Vec<&str>, Vec<&str>) = comment.into_iter().partition(|l| l.starts_with(':'));
     let prose: Vec<&str> = prose.into_iter().map(|l| l.strip_prefix(' ').unwrap_or(l)).collect();
@@ -92,7 +88,7 @@ fn entry(file: &'static str, text: &str, function: ast::Function) -> Entry {
         .collect();
     Entry {
         name: function.name.text.clone(),
-        signature: syntax::signature(&function),
+        signature: syntax::signature(&function, text),
         brief: prose[..split].join(" "),
         doc: prose[split..].join("\n").trim().to_string(),
         examples,

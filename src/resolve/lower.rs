@@ -85,9 +85,10 @@ impl<'a> Resolver<'a> {
     fn check_framed_calls(&mut self) {
         for (function, span) in std::mem::take(&mut self.framed_calls) {
             let reads = &self.out.functions[function as usize].reads;
-            let pixel = reads.iter().map(|&i| &self.out.globals[i as usize]).find(|g| {
-                !g.is_frame() && g.framed.is_none()
-            });
+            let pixel = reads
+                .iter()
+                .map(|&i| &self.out.globals[i as usize])
+                .find(|g| !g.is_frame() && g.framed.is_none());
             if let Some(global) = pixel {
                 let error = self.pixel_in_frame(&global.name, span, global.read);
                 self.errors.push(error);
@@ -211,15 +212,20 @@ impl<'a> Resolver<'a> {
     /// If nothing assigns `color`: the last outer expression is it; without one, a changed `normal` gives it.
     fn implicit_color(&mut self, body: &[ast::Stmt]) {
         let assigns = |r: &Resolver, name: &str| {
-            r.ids.get(&(false, name.to_string())).is_some_and(|&i| r.out.globals[i as usize].assigned.is_some())
+            r.ids
+                .get(&(false, name.to_string()))
+                .is_some_and(|&i| r.out.globals[i as usize].assigned.is_some())
         };
         if assigns(self, "color") {
             return;
         }
         let last = body.iter().rfind(|s| matches!(s.kind, ast::StmtKind::Expr(_)));
         if let Some(last) = last {
-            let index =
-                self.out.body.iter().rposition(|s| s.span == last.span && matches!(s.kind, StmtKind::Expr(_)));
+            let index = self
+                .out
+                .body
+                .iter()
+                .rposition(|s| s.span == last.span && matches!(s.kind, StmtKind::Expr(_)));
             if let Some(index) = index {
                 let slot = self.global("color", false);
                 self.out.globals[slot as usize].assigned = Some(last.span);
@@ -422,7 +428,8 @@ impl<'a> Resolver<'a> {
     /// The error of a pixel's variable in the frame's program.
     pub fn pixel_in_frame(&self, name: &str, span: Span, read: Option<Span>) -> Diagnostic {
         let usual = names::USUAL_INPUTS.contains(&name) || names::is_system(name);
-        let assigned = self.ids.get(&(false, name.to_string())).and_then(|&i| self.out.globals[i as usize].assigned);
+        let assigned =
+            self.ids.get(&(false, name.to_string())).and_then(|&i| self.out.globals[i as usize].assigned);
         let known = self.out.globals.iter().filter(|g| g.is_frame()).map(|g| g.name.as_str());
         let constants = names::CONSTANTS.iter().map(|c| c.name).chain(names::FRAME.iter().copied());
         let mut error = match names::nearest(name, known.chain(constants).chain(names::USUAL_INPUTS.iter().copied())) {
@@ -505,7 +512,8 @@ impl<'a> Resolver<'a> {
         }
         match &*base.kind {
             ast::ExprKind::Name(image)
-                if !scope.locals.as_ref().is_some_and(|l| l.contains_key(image)) && !self.is_assigned(image) =>
+                if !scope.locals.as_ref().is_some_and(|l| l.contains_key(image))
+                    && !self.is_assigned(image) =>
             {
                 let full = format!("{image}.{}", member.text);
                 ExprKind::Variable(self.variable(&full, span, scope))

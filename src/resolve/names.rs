@@ -14,11 +14,19 @@ pub struct Constant {
 
 /// The constants. An input image's variable of the same name hides one; so does an assignment.
 pub static CONSTANTS: &[Constant] = &[
-    Constant { name: "pi", value: &[consts::PI], brief: "the ratio of a circle's circumference to its diameter" },
+    Constant {
+        name: "pi",
+        value: &[consts::PI],
+        brief: "the ratio of a circle's circumference to its diameter",
+    },
     Constant { name: "infinity", value: &[f32::INFINITY], brief: "larger than any number" },
     Constant { name: "white", value: &[1.0, 1.0, 1.0], brief: "the colour white" },
     Constant { name: "black", value: &[0.0, 0.0, 0.0], brief: "the colour black" },
-    Constant { name: "gray", value: &[0.5, 0.5, 0.5], brief: "the linear colour half way between black and white" },
+    Constant {
+        name: "gray",
+        value: &[0.5, 0.5, 0.5],
+        brief: "the linear colour half way between black and white",
+    },
     Constant { name: "red", value: &[1.0, 0.0, 0.0], brief: "the colour red" },
     Constant { name: "green", value: &[0.0, 1.0, 0.0], brief: "the colour green" },
     Constant { name: "blue", value: &[0.0, 0.0, 1.0], brief: "the colour blue" },
@@ -43,9 +51,8 @@ pub static SYSTEM: &[(&str, &str)] = &[
 pub static FRAME: &[&str] = &["frame", "begin_frame", "resolution"];
 
 /// The variables that G-buffers usually hold: what a checker without an image takes for granted.
-pub static USUAL_INPUTS: &[&str] = &[
-    "surface", "point", "normal", "uv", "depth", "color", "alpha", "albedo", "motion", "I", "dPdu", "dPdv",
-];
+pub static USUAL_INPUTS: &[&str] =
+    &["surface", "point", "normal", "uv", "depth", "color", "alpha", "albedo", "motion", "I", "dPdu", "dPdv"];
 
 /// The constant of that name.
 pub fn constant(name: &str) -> Option<&'static Constant> {
@@ -86,7 +93,12 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         })
         .filter(|(distance, k)| {
             let length = name.chars().count().max(k.chars().count());
-            *distance <= if length <= 3 { usize::from(length > 1 || *distance == 0) } else { length.div_ceil(3).min(3) }
+            *distance
+                <= if length <= 3 {
+                    usize::from(length > 1 || *distance == 0)
+                } else {
+                    length.div_ceil(3).min(3)
+                }
         })
         .min_by_key(|(distance, k)| (*distance, k.len().abs_diff(name.len()), *k))
         .map(|(_, k)| k)

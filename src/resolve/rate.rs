@@ -138,6 +138,8 @@ fn children(e: &mut Expr) -> Vec<&mut Expr> {
                 Element::Range(a, b) => vec![a, b],
             })
             .collect(),
-        ExprKind::Call(_, args) | ExprKind::Builtin(_, args) | ExprKind::Host(_, args) => args.iter_mut().collect(),
+        ExprKind::Call(_, args) | ExprKind::Builtin(_, args) | ExprKind::Host(_, args) => {
+            args.iter_mut().collect()
+        }
     }
 }

@@ -155,12 +155,10 @@ impl<'a> Scene<'a> {
     fn say(&self, found: &str) -> Said {
         let before = self.before().copied();
         let after_operand = before.is_some_and(|t| t.1.ends_operand());
-        self.head(found)
-            .or_else(|| self.by_token(found, after_operand))
-            .unwrap_or_else(|| match before {
-                Some(before) if after_operand => self.two_operands(found, before),
-                _ => self.no_operand(found, before),
-            })
+        self.head(found).or_else(|| self.by_token(found, after_operand)).unwrap_or_else(|| match before {
+            Some(before) if after_operand => self.two_operands(found, before),
+            _ => self.no_operand(found, before),
+        })
     }
 
     /// The parts of a statement that stand before any expression.
@@ -181,21 +179,21 @@ impl<'a> Scene<'a> {
             (Token::Import, 1) => {
                 make(format!("a file's name in quotes is expected here, and {found} was found"))
             }
-            (Token::Break | Token::Continue, 1) => {
-                make(format!("`{}` stands alone on its line, and {found} was found", self.word(&self.line[0])))
-            }
-            (Token::Else, 1) => {
-                Some(said(format!("{found} cannot follow `else`"), "With a condition, write `else if condition`."))
-            }
+            (Token::Break | Token::Continue, 1) => make(format!(
+                "`{}` stands alone on its line, and {found} was found",
+                self.word(&self.line[0])
+            )),
+            (Token::Else, 1) => Some(said(
+                format!("{found} cannot follow `else`"),
+                "With a condition, write `else if condition`.",
+            )),
             (Token::Function, n) if self.open().is_some() && n > 2 && self.found != Token::Assign => {
                 let in_default = self.line[..n].iter().rev().take_while(|t| t.1 != Token::Comma);
                 if in_default.into_iter().any(|t| t.1 == Token::Assign) {
                     return None;
                 }
                 match self.before()?.1 {
-                    Token::Name => {
-                        make(format!("`,` or `)` is expected here, and {found} was found"))
-                    }
+                    Token::Name => make(format!("`,` or `)` is expected here, and {found} was found")),
                     _ => make(format!("the name of a parameter is expected here, and {found} was found")),
                 }
             }
@@ -211,8 +209,7 @@ impl<'a> Scene<'a> {
             Token::Assign if header || open.is_some() => Some(if self.argument_name_with_path() {
                 said("an argument's name is a single name", "Write `f(v, name = value)`.")
             } else {
-                said("`=` assigns, and cannot stand in an expression", "Use `==` to compare.")
-                    .label("`==`?")
+                said("`=` assigns, and cannot stand in an expression", "Use `==` to compare.").label("`==`?")
             }),
             Token::Assign => Some(said(
                 "there can be one `=` in a line",
@@ -230,9 +227,10 @@ impl<'a> Scene<'a> {
                 "this `:` has no `?`",
                 "A choice is written `condition ? value : other`; a range `[1 .. 5]`.",
             )),
-            Token::Range if self.line.iter().take(self.at).any(|t| t.1 == Token::Range) => {
-                Some(said("a range has two ends, and no step", "Write `[1 .. 5]`, or `2*[1 .. 5]` for steps of 2."))
-            }
+            Token::Range if self.line.iter().take(self.at).any(|t| t.1 == Token::Range) => Some(said(
+                "a range has two ends, and no step",
+                "Write `[1 .. 5]`, or `2*[1 .. 5]` for steps of 2.",
+            )),
             Token::Range => Some(said("a range stands inside `[ ]`", "Write `[1 .. 5]`.")),
             Token::Comma if open.is_none() && after_operand => Some(said(
                 "`,` separates arguments and elements, and here is neither",
@@ -242,9 +240,10 @@ impl<'a> Scene<'a> {
                     "Assign one variable on each line."
                 },
             )),
-            Token::Add if !after_operand => {
-                Some(said("an expression is expected here, and `+` was found", "Leave the `+` out; a number needs none."))
-            }
+            Token::Add if !after_operand => Some(said(
+                "an expression is expected here, and `+` was found",
+                "Leave the `+` out; a number needs none.",
+            )),
             Token::If if self.at > 0 => Some(said(
                 "`if` starts a statement, and cannot stand in an expression",
                 "To choose between two values write `condition ? value : other`.",
@@ -255,14 +254,14 @@ impl<'a> Scene<'a> {
                     "A statement goes on a line of its own.",
                 );
                 if self.line.get(self.at + 1).is_none_or(|t| !t.1.starts_operand()) {
-                    answer.hints = vec![format!("{found} is a word of the language: a variable needs another name.")];
+                    answer.hints =
+                        vec![format!("{found} is a word of the language: a variable needs another name.")];
                 }
                 Some(answer)
             }
-            Token::In | Token::EndOfLine if self.missing_colon() => Some(said(
-                "this `?` has no `:`",
-                "A choice is written `condition ? value : other`.",
-            )),
+            Token::In | Token::EndOfLine if self.missing_colon() => {
+                Some(said("this `?` has no `:`", "A choice is written `condition ? value : other`."))
+            }
             Token::CloseParen | Token::CloseSquare | Token::Comma | Token::Separator
                 if self.missing_colon() =>
             {
@@ -370,8 +369,7 @@ impl<'a> Scene<'a> {
                 answer.hints = vec!["Delete one of them.".to_string()];
             }
             (_, token) if token.is_infix() || before.1.is_infix() || before.1 == Token::Sub => {
-                answer.message =
-                    format!("an expression is expected after `{word}`, and {found} was found");
+                answer.message = format!("an expression is expected after `{word}`, and {found} was found");
                 if answer.hints.is_empty() {
                     answer.hints.push("An operator stands between two values.".to_string());
                 }

@@ -28,12 +28,14 @@ pub fn format(text: &str) -> Result<String, Vec<Diagnostic>> {
         return Ok(printed);
     }
     // A fault of the formatter, not of the program.
-    Err(vec![Diagnostic::error(
-        "syntax",
-        "this program cannot be formatted without changing it",
-        Span::new(SourceId::default(), 0, 0),
-    )
-    .hint("Please report it, with the program; it is not changed.")])
+    Err(vec![
+        Diagnostic::error(
+            "syntax",
+            "this program cannot be formatted without changing it",
+            Span::new(SourceId::default(), 0, 0),
+        )
+        .hint("Please report it, with the program; it is not changed."),
+    ])
 }
 
 fn lines(text: &str, whole: &Whole) -> String {

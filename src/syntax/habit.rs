@@ -79,16 +79,14 @@ pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
             },
             Unknown,
         ),
-        Token::EqEqEq => {
-            habit("`===` is no operator", "Write `==` to compare.", Tokens(&[Token::Eq]))
+        Token::EqEqEq => habit("`===` is no operator", "Write `==` to compare.", Tokens(&[Token::Eq])),
+        Token::NotEqEq => {
+            habit("`!==` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
         }
-        Token::NotEqEq => habit("`!==` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne])),
         Token::LessGreater => {
             habit("`<>` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
         }
-        Token::ColonAssign => {
-            habit("`:=` is no operator", "Write `=` to assign.", Tokens(&[Token::Assign]))
-        }
+        Token::ColonAssign => habit("`:=` is no operator", "Write `=` to assign.", Tokens(&[Token::Assign])),
         Token::AssignGreater => {
             habit("`=>` is no operator", "Write `>=` for \"greater or equal\".", Tokens(&[Token::Ge]))
         }
@@ -150,8 +148,8 @@ fn word(text: &str, place: &Place) -> Option<Habit> {
             "Write `function name(a, b)`.",
             Tokens(&[Token::Function]),
         ),
-        "let" | "var" | "const" | "local" | "float" | "int" | "bool" | "double" | "vec2" | "vec3" | "vec4"
-        | "vector" | "point" | "color"
+        "let" | "var" | "const" | "local" | "float" | "int" | "bool" | "double" | "vec2" | "vec3"
+        | "vec4" | "vector" | "point" | "color"
             if place.first && declares =>
         {
             habit(

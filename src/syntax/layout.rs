@@ -235,11 +235,8 @@ impl<'a> Blocks<'a> {
         let Some(((start, token, end), report)) = self.header.take() else { return };
         if report {
             let word = &reader.text[start..end];
-            let mut error = Diagnostic::error(
-                "syntax",
-                format!("`{word}` has no block"),
-                reader.span(start, end),
-            );
+            let mut error =
+                Diagnostic::error("syntax", format!("`{word}` has no block"), reader.span(start, end));
             let first = next.and_then(|n| n.tokens.first());
             if let Some(&(start, first, end)) = first.filter(|t| t.1 != Token::Else) {
                 if first != token {

@@ -453,9 +453,8 @@ impl<'a> Reader<'a> {
             Token::Add if touches_next => {
                 let span = self.span(lexeme.start, lexeme.end);
                 self.errors.push(
-                    Diagnostic::error("syntax", "`+` has a blank before it and none after it", span).hint(
-                        "For a sum write `a + b` or `a+b`; for two elements write `a b`, without `+`.",
-                    ),
+                    Diagnostic::error("syntax", "`+` has a blank before it and none after it", span)
+                        .hint("For a sum write `a + b` or `a+b`; for two elements write `a b`, without `+`."),
                 );
                 return;
             }

@@ -36,8 +36,8 @@ pub fn parse(source: SourceId, text: &str) -> Parsed {
 /// block that no empty line has ended. An interactive session then asks for another line.
 pub fn is_incomplete(text: &str) -> bool {
     let laid = layout(SourceId::default(), text);
-    let empty_lines = text.lines().rev().take_while(|l| l.trim().is_empty()).count()
-        + usize::from(text.ends_with('\n'));
+    let empty_lines =
+        text.lines().rev().take_while(|l| l.trim().is_empty()).count() + usize::from(text.ends_with('\n'));
     laid.incomplete && (empty_lines < 2 || laid.open_bracket) || laid.in_block && empty_lines == 0
 }
 

@@ -189,7 +189,11 @@ impl<'a> Printer<'a> {
                 let column = self.at;
                 self.print(c, inside, 2);
                 for (mark, part) in [("? ", a), (": ", b)] {
-                    if inside == Inside::Line { self.put(" ") } else { self.new_line(column + 2) }
+                    if inside == Inside::Line {
+                        self.put(" ")
+                    } else {
+                        self.new_line(column + 2)
+                    }
                     self.put(mark);
                     self.print(part, inside, after);
                 }
@@ -247,7 +251,8 @@ impl<'a> Printer<'a> {
         let rows = comments || items.iter().any(HasSpan::is_row);
         let mut open_comment = false;
         for (i, item) in items.iter().enumerate() {
-            let own = self.take_comments(if i == 0 { span.start } else { items[i - 1].span().end }, item.span().start);
+            let own = self
+                .take_comments(if i == 0 { span.start } else { items[i - 1].span().end }, item.span().start);
             for comment in own {
                 if i > 0 || open_comment {
                     self.new_line(column);

@@ -334,7 +334,10 @@ mod tests {
     #[test]
     fn lines_and_marks() {
         use Token::*;
-        assert_eq!(kinds("\u{feff}a\r\nb\rc # d\r\n"), [Name, Newline, Name, Newline, Name, Comment, Newline]);
+        assert_eq!(
+            kinds("\u{feff}a\r\nb\rc # d\r\n"),
+            [Name, Newline, Name, Newline, Name, Comment, Newline]
+        );
         assert_eq!(kinds("größe × é"), [Unknown, Unknown, Unknown]);
         assert_eq!(kinds("a /* b\nc */ d /* e"), [Name, SlashStar, Name, SlashStar]);
     }
