@@ -1,64 +1,240 @@
-//! stub replaced at merge
-/// isa
+//! Lanes and the instruction set they run on.
+//!
+//! A kernel is a plain loop over slices. [`Isa::run`] runs it compiled for an instruction set that is
+//! chosen when the program starts: the baseline of the target, or AVX2. No kernel uses a fused
+//! multiply-add and Rust contracts nothing, so every instruction set gives the same bits (of a NaN only
+//! that it is one: its sign and payload are nobody's promise).
+
+use pulp::{Arch, Simd, WithSimd};
+
+/// The instruction set that kernels are compiled for.
 #[derive(Clone, Copy, Debug)]
-pub struct Isa(pulp::Arch);
+pub struct Isa(Arch);
+
 impl Isa {
-    /// d
+    /// The best one that this machine has.
     pub fn detect() -> Isa {
-        Isa(pulp::Arch::new())
+        Isa(Arch::new())
     }
-    /// b
+
+    /// The one that every machine of the target has.
     pub fn baseline() -> Isa {
-        Isa(pulp::Arch::Scalar)
+        Isa(Arch::Scalar)
     }
-    /// run
-    #[inline(always)]
-    pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
-        struct W<F>(F);
-        impl<R, F: FnOnce() -> R> pulp::NullaryFnOnce for W<F> {
-            type Output = R;
-            #[inline(always)]
-            fn call(self) -> R {
-                (self.0)()
-            }
+
+    /// From the names `auto`, `baseline` and `avx2`; an error says why not.
+    pub fn from_name(name: &str) -> Result<Isa, String> {
+        match name {
+            "auto" => Ok(Isa::detect()),
+            "baseline" => Ok(Isa::baseline()),
+            "avx2" if Isa::detect().name() == "avx2" => Ok(Isa::detect()),
+            "avx2" => Err("this machine has no AVX2".to_string()),
+            _ => Err(format!("no instruction set `{name}`; there are auto, baseline and avx2")),
         }
-        self.0.dispatch(W(f))
+    }
+
+    /// `baseline`, `avx2`, or what else the machine's architecture offers.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Arch::Scalar => "baseline",
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Arch::V3(_) => "avx2",
+            #[allow(unreachable_patterns)]
+            _ => "native",
+        }
+    }
+
+    /// Runs a kernel compiled for this instruction set.
+    ///
+    /// Only what is inlined into it is compiled so. A large closure may not be: give those as a struct
+    /// with an `#[inline(always)]` [`Kernel::run`].
+    #[inline]
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        self.0.dispatch(OnArch(kernel))
     }
 }
-/// arg
+
+impl Default for Isa {
+    fn default() -> Isa {
+        Isa::detect()
+    }
+}
+
+/// A piece of work that can be compiled for several instruction sets.
+pub trait Kernel {
+    /// What it gives back.
+    type Output;
+    /// Does it. Must be `#[inline(always)]`, and all it calls in its loops too.
+    fn run(self) -> Self::Output;
+}
+
+impl<R, F: FnOnce() -> R> Kernel for F {
+    type Output = R;
+    #[inline(always)]
+    fn run(self) -> R {
+        self()
+    }
+}
+
+/// Makes a [`Kernel`] known to `pulp`.
+struct OnArch<K>(K);
+
+impl<K: Kernel> WithSimd for OnArch<K> {
+    type Output = K::Output;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> K::Output {
+        self.0.run()
+    }
+}
+
+/// An operand: one value for all lanes, or one a lane.
 #[derive(Clone, Copy, Debug)]
 pub enum Arg<'a> {
-    /// u
+    /// The same in every lane.
     Uniform(f32),
-    /// v
+    /// As long as the output.
     Varying(&'a [f32]),
 }
-/// m1
-pub fn map1(isa: Isa, a: &[f32], out: &mut [f32], f: impl Fn(f32) -> f32 + Copy) {
-    isa.run(|| {
-        for (o, a) in out.iter_mut().zip(a) {
-            *o = f(*a)
+
+impl Arg<'_> {
+    /// The value in a lane.
+    #[inline(always)]
+    pub fn get(self, lane: usize) -> f32 {
+        match self {
+            Arg::Uniform(value) => value,
+            Arg::Varying(lanes) => lanes[lane],
         }
-    })
+    }
 }
-/// m2
-pub fn map2(isa: Isa, a: Arg<'_>, b: Arg<'_>, out: &mut [f32], f: impl Fn(f32, f32) -> f32 + Copy) {
-    isa.run(|| match (a, b) {
-        (Arg::Varying(a), Arg::Varying(b)) => {
-            for ((o, a), b) in out.iter_mut().zip(a).zip(b) {
-                *o = f(*a, *b)
-            }
-        }
-        (Arg::Varying(a), Arg::Uniform(b)) => {
-            for (o, a) in out.iter_mut().zip(a) {
-                *o = f(*a, b)
-            }
-        }
-        (Arg::Uniform(a), Arg::Varying(b)) => {
-            for (o, b) in out.iter_mut().zip(b) {
-                *o = f(a, *b)
-            }
-        }
+
+/// `out[i] = f(a[i])`. `f` should be `#[inline(always)]`.
+///
+/// # Panics
+/// If the lengths differ.
+#[inline]
+pub fn map1<F: Fn(f32) -> f32 + Copy>(isa: Isa, a: &[f32], out: &mut [f32], f: F) {
+    isa.run(Map { args: [a], out, f: |[x]: [f32; 1]| f(x) });
+}
+
+/// `out[i] = f(a[i], b[i])`; two uniform operands are computed once.
+///
+/// # Panics
+/// If the lengths differ.
+#[inline]
+pub fn map2<F: Fn(f32, f32) -> f32 + Copy>(isa: Isa, a: Arg, b: Arg, out: &mut [f32], f: F) {
+    match (a, b) {
         (Arg::Uniform(a), Arg::Uniform(b)) => out.fill(f(a, b)),
-    })
+        (Arg::Uniform(a), Arg::Varying(b)) => isa.run(Map { args: [b], out, f: |[y]: [f32; 1]| f(a, y) }),
+        (Arg::Varying(a), Arg::Uniform(b)) => isa.run(Map { args: [a], out, f: |[x]: [f32; 1]| f(x, b) }),
+        (Arg::Varying(a), Arg::Varying(b)) => {
+            isa.run(Map { args: [a, b], out, f: |[x, y]: [f32; 2]| f(x, y) })
+        }
+    }
+}
+
+/// `out[i] = f(a[i], b[i], c[i])`; three uniform operands are computed once.
+///
+/// # Panics
+/// If the lengths differ.
+#[inline]
+pub fn map3<F: Fn(f32, f32, f32) -> f32 + Copy>(
+    isa: Isa,
+    a: Arg,
+    b: Arg,
+    c: Arg,
+    out: &mut [f32],
+    f: F,
+) {
+    use Arg::{Uniform, Varying};
+    match (a, b, c) {
+        (Uniform(a), b, c) => map2(isa, b, c, out, move |y, z| f(a, y, z)),
+        (a, Uniform(b), c) => map2(isa, a, c, out, move |x, z| f(x, b, z)),
+        (a, b, Uniform(c)) => map2(isa, a, b, out, move |x, y| f(x, y, c)),
+        (Varying(a), Varying(b), Varying(c)) => {
+            isa.run(Map { args: [a, b, c], out, f: |[x, y, z]: [f32; 3]| f(x, y, z) })
+        }
+    }
+}
+
+/// Does any lane satisfy it?
+#[inline]
+pub fn any1<F: Fn(f32) -> bool + Copy>(isa: Isa, a: &[f32], f: F) -> bool {
+    isa.run(Any { lanes: a, f })
+}
+
+/// The loop under every map.
+struct Map<'a, const N: usize, F> {
+    args: [&'a [f32]; N],
+    out: &'a mut [f32],
+    f: F,
+}
+
+impl<const N: usize, F: Fn([f32; N]) -> f32> Kernel for Map<'_, N, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let n = self.out.len();
+        assert!(self.args.iter().all(|arg| arg.len() == n), "lanes of different lengths");
+        // Slices of the very length of the output need no check of bounds in the loop.
+        let args = self.args.map(|arg| &arg[..n]);
+        for i in 0..n {
+            self.out[i] = (self.f)(args.map(|arg| arg[i]));
+        }
+    }
+}
+
+/// The loop under [`any1`]: it never leaves early, so that it vectorises.
+struct Any<'a, F> {
+    lanes: &'a [f32],
+    f: F,
+}
+
+impl<F: Fn(f32) -> bool> Kernel for Any<'_, F> {
+    type Output = bool;
+    #[inline(always)]
+    fn run(self) -> bool {
+        self.lanes.iter().fold(0_u32, |any, &x| any | u32::from((self.f)(x))) != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn add3(x: f32, y: f32, z: f32) -> f32 {
+        x + 2.0 * y + 4.0 * z
+    }
+
+    #[test]
+    fn names_are_understood() {
+        assert_eq!(Isa::from_name("baseline").unwrap().name(), "baseline");
+        assert_eq!(Isa::from_name("auto").unwrap().name(), Isa::detect().name());
+        assert!(Isa::from_name("sse9").unwrap_err().contains("sse9"));
+    }
+
+    #[test]
+    fn every_mix_of_uniform_and_varying_agrees() {
+        let lanes: Vec<f32> = (0..257).map(|i| i as f32 - 100.0).collect();
+        for n in [0, 1, 7, 255, 256, 257] {
+            for mix in 0..8 {
+                let arg = |bit: i32| {
+                    if mix >> bit & 1 == 1 { Arg::Varying(&lanes[..n]) } else { Arg::Uniform(3.5) }
+                };
+                let (a, b, c) = (arg(0), arg(1), arg(2));
+                let mut out = vec![0.0; n];
+                map3(Isa::detect(), a, b, c, &mut out, add3);
+                for (i, &o) in out.iter().enumerate() {
+                    assert_eq!(o, add3(a.get(i), b.get(i), c.get(i)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn any_sees_the_last_lane() {
+        let mut lanes = vec![0.0; 257];
+        assert!(!any1(Isa::detect(), &lanes, |x| x > 1.0));
+        lanes[256] = 2.0;
+        assert!(any1(Isa::detect(), &lanes, |x| x > 1.0));
+    }
 }

@@ -8,6 +8,7 @@ pub mod diagnostic;
 pub mod eval;
 pub mod image;
 pub mod lanes;
+pub mod math;
 pub mod noise;
 pub mod resolve;
 pub mod scene;
