@@ -4,7 +4,20 @@
 //! evaluator calls the kernel, `pse doc` and `docs/builtins.md` print the documentation, and the tests run
 //! its examples; nothing else has to know.
 
+mod apply;
+mod arithmetic;
 mod call;
+mod color;
+mod lists;
+mod matrices;
+mod noise;
+pub mod reference;
+mod shaping;
+mod splines;
+#[cfg(test)]
+mod tests;
+mod trigonometry;
+mod vectors;
 
 pub use call::{Call, Fault, map2};
 
@@ -60,6 +73,11 @@ pub struct Example {
     pub gives: &'static str,
 }
 
+/// An example, short to write.
+const fn ex(code: &'static str, gives: &'static str) -> Example {
+    Example { code, gives }
+}
+
 /// How a function is computed.
 #[derive(Clone, Copy)]
 pub enum Kernel {
@@ -84,7 +102,17 @@ pub struct Group {
 }
 
 /// Every built-in function by group.
-pub static GROUPS: &[Group] = &[];
+pub static GROUPS: &[Group] = &[
+    Group { title: "Arithmetic", functions: arithmetic::FUNCTIONS },
+    Group { title: "Trigonometry", functions: trigonometry::FUNCTIONS },
+    Group { title: "Vectors in space", functions: vectors::FUNCTIONS },
+    Group { title: "Vectors as lists", functions: lists::FUNCTIONS },
+    Group { title: "Matrices", functions: matrices::FUNCTIONS },
+    Group { title: "Shaping", functions: shaping::FUNCTIONS },
+    Group { title: "Splines", functions: splines::FUNCTIONS },
+    Group { title: "Colour", functions: color::FUNCTIONS },
+    Group { title: "Noise", functions: noise::FUNCTIONS },
+];
 
 static BY_NAME: LazyLock<HashMap<&'static str, &'static Builtin>> =
     LazyLock::new(|| all().map(|b| (b.name, b)).collect());

@@ -1,0 +1,189 @@
+//! Calling a built-in function, and what many kernels share: how a function of vectors meets vectors of them.
+
+use super::call::{Call, Fault};
+use super::{Builtin, Kernel as Form};
+use crate::lanes::{Arg, Isa, Kernel};
+use crate::shape::Shape;
+use crate::value::{self, Mismatch, Plane, Planes, Value};
+
+impl Builtin {
+    /// Computes the value of a call, whatever the form of the kernel.
+    pub fn apply(&self, call: &Call<'_>) -> Result<Value, Fault> {
+        let differ = |m: Mismatch| {
+            Fault::new(format!(
+                "{} meets vectors of different lengths, {} and {}",
+                self.name, m.left, m.right
+            ))
+        };
+        let args = call.args;
+        let value = match self.kernel {
+            Form::Map1(kernel) => value::map1(&args[0], |a| call.map1(a, kernel)),
+            Form::Map2(kernel) => {
+                value::binary(&args[0], &args[1], |a, b| call.map2(a, b, kernel)).map_err(differ)?
+            }
+            Form::Map3(kernel) => value::map3(&args[0], &args[1], &args[2], |a, b, c| {
+                let [out] = call.planes([a, b, c], |s, [out]| kernel(call.isa, s[0], s[1], s[2], out));
+                out
+            })
+            .map_err(differ)?,
+            Form::Fold(kernel) => {
+                let mut value = args[0].clone();
+                for next in &args[1..] {
+                    value = value::binary(&value, next, |a, b| call.map2(a, b, kernel)).map_err(differ)?;
+                }
+                value
+            }
+            Form::Whole(kernel) => kernel(call)?,
+        };
+        call.room(value.planes.len())?;
+        Ok(value)
+    }
+}
+
+impl Call<'_> {
+    /// May a value have so many cells?
+    pub fn room(&self, cells: usize) -> Result<(), Fault> {
+        if cells <= self.max_cells {
+            return Ok(());
+        }
+        Err(Fault::new(format!("vector too large: {cells} numbers, the limit is {}", self.max_cells)))
+    }
+
+    /// The component-by-component operation on the cells of two values.
+    pub fn cells2(
+        &self,
+        a: &Value,
+        b: &Value,
+        kernel: fn(Isa, Arg<'_>, Arg<'_>, &mut [f32]),
+    ) -> Result<Value, Fault> {
+        value::binary(a, b, |a, b| self.map2(a, b, kernel))
+            .map_err(|m| Fault::new(format!("vectors of different lengths, {} and {}", m.left, m.right)))
+    }
+
+    /// `K` planes from `N`: `f` is given the numbers of one lane and gives that lane's results. It should be an
+    /// `#[inline(always)]` function, or a closure of a line or two, to be compiled for the instruction set.
+    pub fn lanes<const N: usize, const K: usize>(
+        &self,
+        inputs: [&Plane; N],
+        f: impl Fn([f32; N]) -> [f32; K],
+    ) -> [Plane; K] {
+        self.planes(inputs, |s, out| {
+            let n = out.first().map_or(0, |o| o.len());
+            self.isa.run(Loop { inputs: std::array::from_fn(|k| &s[k][..n]), out, f });
+        })
+    }
+
+    /// One plane from `N`, lane by lane.
+    pub fn lane<const N: usize>(&self, inputs: [&Plane; N], f: impl Fn([f32; N]) -> f32) -> Plane {
+        let [out] = self.lanes(inputs, |x| [f(x)]);
+        out
+    }
+}
+
+/// So many lanes are computed at once.
+const STRIP: usize = 16;
+
+/// The loop under [`Call::lanes`]. It goes by strips that are copied to the stack and back: the compiler
+/// cannot know that several outputs and inputs are apart in memory, and would not vectorise across them.
+struct Loop<'a, const N: usize, const K: usize, F> {
+    inputs: [&'a [f32]; N],
+    out: [&'a mut [f32]; K],
+    f: F,
+}
+
+impl<const N: usize, const K: usize, F: Fn([f32; N]) -> [f32; K]> Kernel for Loop<'_, N, K, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run(mut self) {
+        let n = self.out.first().map_or(0, |o| o.len());
+        for start in (0..n).step_by(STRIP) {
+            let end = n.min(start + STRIP);
+            let mut inputs = [[0.0; STRIP]; N];
+            for (strip, lanes) in inputs.iter_mut().zip(self.inputs) {
+                strip[..end - start].copy_from_slice(&lanes[start..end]);
+            }
+            let mut out = [[0.0; STRIP]; K];
+            for i in 0..STRIP {
+                let result = (self.f)(std::array::from_fn(|k| inputs[k][i]));
+                for k in 0..K {
+                    out[k][i] = result[k];
+                }
+            }
+            for (lanes, strip) in self.out.iter_mut().zip(&out) {
+                lanes[start..end].copy_from_slice(&strip[..end - start]);
+            }
+        }
+    }
+}
+
+/// Applies a function of vectors: where an argument is a vector of vectors, to each of those in turn, the
+/// arguments that are not being used with each.
+pub fn each<const K: usize>(
+    args: [&Value; K],
+    f: &mut dyn FnMut([&Value; K]) -> Result<Value, Fault>,
+) -> Result<Value, Fault> {
+    let nested = |v: &Value| matches!(v.shape, Shape::Nested(_));
+    let Some(first) = args.iter().position(|v| nested(v)) else { return f(args) };
+    let n = args[first].shape.len().unwrap_or(0);
+    for (k, other) in args.iter().enumerate() {
+        let m = other.shape.len().unwrap_or(0);
+        if nested(other) && m != n {
+            return Err(Fault::of(k, format!("expected {n} vectors as in the other argument, found {m}")));
+        }
+    }
+    let mut out = Vec::with_capacity(n);
+    for i in 0..n {
+        let elements = args.map(|v| if nested(v) { v.element(i) } else { v.clone() });
+        out.push(each(elements.each_ref(), f)?);
+    }
+    Ok(Value::vector_of(out))
+}
+
+/// Applies a function of a scalar to each one in a value, at any depth.
+pub fn each_scalar(value: &Value, f: &mut dyn FnMut(&Plane) -> Result<Value, Fault>) -> Result<Value, Fault> {
+    if value.shape.is_scalar() {
+        return f(&value.planes[0]);
+    }
+    let elements: Result<Vec<Value>, Fault> = value.elements().map(|e| each_scalar(&e, f)).collect();
+    Ok(Value::vector_of(elements?))
+}
+
+/// The planes of a vector of one of the given lengths, or a fault that says what was found.
+pub fn vector_of<'v>(
+    name: &str,
+    arg: usize,
+    value: &'v Value,
+    lengths: &[usize],
+) -> Result<&'v Planes, Fault> {
+    match value.shape {
+        Shape::Vector(n) if lengths.contains(&(n as usize)) => Ok(&value.planes),
+        _ => {
+            let wanted: Vec<String> = lengths.iter().map(usize::to_string).collect();
+            Err(Fault::of(
+                arg,
+                format!("{name} needs a vector of {}, found {}", wanted.join(" or "), value.shape),
+            ))
+        }
+    }
+}
+
+/// The planes of two scalars or vectors of one length; a scalar is used with each component of a vector.
+pub fn pair(name: &str, a: &Value, b: &Value) -> Result<(Planes, Planes), Fault> {
+    let spread = |v: &Value, n: usize| -> Planes {
+        if v.shape.is_scalar() {
+            std::iter::repeat_n(v.planes[0].clone(), n).collect()
+        } else {
+            v.planes.clone()
+        }
+    };
+    match (a.shape.len(), b.shape.len()) {
+        (Some(m), Some(n)) if m != n => Err(Fault::of(
+            1,
+            format!("{name} needs vectors of one length, found {} and {}", a.shape, b.shape),
+        )),
+        (m, n) => {
+            let n = m.or(n).unwrap_or(1);
+            Ok((spread(a, n), spread(b, n)))
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Functions that shape a signal: steps, blends, and curves of the unit interval, after Peachey's
+//! chapter “Building Procedural Textures” (Ebert et al., *Texturing and Modeling*, chapter 2).
+//! Where there are edges or parameters they come first and the signal last, as in the RenderMan language.
+
+use super::arithmetic::clamp;
+use super::{Builtin, Kernel, Param, ex};
+use crate::lanes::{Isa, map1, map2};
+use crate::math;
+
+/// 0 below the edge, 1 from it on.
+#[inline(always)]
+fn step(edge: f32, x: f32) -> f32 {
+    f32::from(x >= edge)
+}
+
+/// How far x has come from a to b, from 0 to 1; where both are one point, a step there.
+#[inline(always)]
+fn ramp(a: f32, b: f32, x: f32) -> f32 {
+    let t = (x - a) / (b - a);
+    // (x - a) / 0 is an infinity of the right sign already, but NaN at the edge itself.
+    let t = if x == a && a == b { 1.0 } else { t };
+    clamp(t, 0.0, 1.0)
+}
+
+#[inline(always)]
+fn smoothstep(a: f32, b: f32, x: f32) -> f32 {
+    let t = ramp(a, b, x);
+    t * t * (3.0 - 2.0 * t)
+}
+
+#[inline(always)]
+fn smootherstep(a: f32, b: f32, x: f32) -> f32 {
+    let t = ramp(a, b, x);
+    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+}
+
+/// The blend that gives a and b exactly at its ends.
+#[inline(always)]
+pub fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a * (1.0 - t) + b * t
+}
+
+/// Perlin and Hoffert's bias: the power of x that takes 1/2 to b.
+#[inline(always)]
+fn bias(b: f32, x: f32) -> f32 {
+    // The logarithm to base 2 of 1/2 is -1, exactly.
+    math::pow(x, -math::log2(b))
+}
+
+#[inline(always)]
+fn gain(g: f32, x: f32) -> f32 {
+    let low = x < 0.5;
+    let half = 0.5 * bias(1.0 - g, if low { 2.0 * x } else { 2.0 - 2.0 * x });
+    if low { half } else { 1.0 - half }
+}
+
+/// The cycloid's height as a polynomial in `w = (6 |x|)^(2/3)`, less its constant 1. The curve is
+/// x = t - sin t, y = cos t; by series t² is an analytic function of w, so y is too, cusp and all. Chebyshev
+/// interpolation over a half-period gave the coefficients; the error is 3e-7.
+const CYCLOID: [f32; 9] = [
+    -0.499999986243,
+    0.0249996864244,
+    0.000536874405843,
+    2.11910651129e-5,
+    2.33970936967e-6,
+    -3.47564590432e-7,
+    9.36985089514e-8,
+    -9.74697884996e-9,
+    5.19309023304e-10,
+];
+
+#[inline(always)]
+fn cycloid(x: f32) -> f32 {
+    use std::f32::consts::TAU;
+    let turns = x * (1.0 / TAU);
+    let a = (turns - math::round(turns)).abs() * TAU;
+    let w = math::pow(6.0 * a, 2.0 / 3.0);
+    let height = CYCLOID.iter().rev().fold(0.0, |sum, c| sum * w + c);
+    1.0 + w * height
+}
+
+/// A kernel of three slices from a function of three numbers.
+macro_rules! map3 {
+    ($f:expr) => {
+        Kernel::Map3(|isa: Isa, a, b, c, out| {
+            isa.run(|| {
+                for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
+                    *out = $f(a, b, c);
+                }
+            })
+        })
+    };
+}
+
+/// Shaping.
+pub static FUNCTIONS: &[Builtin] = &[
+    Builtin {
+        name: "step",
+        params: &[Param::new("edge"), Param::new("x")],
+        brief: "0 where x is below the edge, 1 from the edge on.",
+        doc: "NaN counts as below.",
+        examples: &[ex("step(0.5, [0.4 0.5 0.6])", "[0 1 1]")],
+        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, step)),
+    },
+    Builtin {
+        name: "boxstep",
+        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
+        brief: "A straight ramp from 0 at a to 1 at b.",
+        doc: "A step at b, filtered by a box as wide as `b - a`: `boxstep(b - w, b, x)` is an antialiased \
+              `step(b, x)` where w is the filter's width. With a above b it falls from 1 at b to 0 at a; with a \
+              equal to b it is a step.",
+        examples: &[ex("boxstep(1, 3, [0 1.5 4])", "[0 0.25 1]")],
+        kernel: map3!(ramp),
+    },
+    Builtin {
+        name: "smoothstep",
+        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
+        brief: "A smooth step from 0 at a to 1 at b.",
+        doc: "The cubic 3t² - 2t³, with slope 0 at both ends. With a above b it falls from 1 at b to 0 at a; with a \
+              equal to b it is a step.",
+        examples: &[ex("smoothstep(0, 1, [-1 0.25 0.5 2])", "[0 0.15625 0.5 1]")],
+        kernel: map3!(smoothstep),
+    },
+    Builtin {
+        name: "smootherstep",
+        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
+        brief: "A smooth step from 0 at a to 1 at b, with no curvature at its ends.",
+        doc: "The quintic 6t⁵ - 15t⁴ + 10t³ of Perlin, *Improving Noise*, 2002. Edges as in \
+              [smoothstep](#smoothstep).",
+        examples: &[ex("smootherstep(0, 1, [-1 0.25 0.5 2])", "[0 0.103515625 0.5 1]")],
+        kernel: map3!(smootherstep),
+    },
+    Builtin {
+        name: "pulse",
+        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
+        brief: "1 from a up to b, 0 elsewhere.",
+        doc: "`step(a, x) - step(b, x)`. With `mod` it makes stripes: `pulse(0.4, 0.6, mod(x, 1))`.",
+        examples: &[ex("pulse(1, 2, [0.5 1 1.5 2])", "[0 1 1 0]")],
+        kernel: map3!(|a, b, x| step(a, x) - step(b, x)),
+    },
+    Builtin {
+        name: "mix",
+        params: &[Param::new("a"), Param::new("b"), Param::new("t")],
+        brief: "A blend: a where t is 0, b where t is 1.",
+        doc: "`a * (1 - t) + b * t`, so a t outside 0 to 1 goes beyond a and b.",
+        examples: &[ex("mix(10, 20, 0.3)", "13"), ex("mix([0 0 0], [1 2 4], 0.5)", "[0.5 1 2]")],
+        kernel: map3!(mix),
+    },
+    Builtin {
+        name: "lerp",
+        params: &[Param::new("a"), Param::new("b"), Param::new("t")],
+        brief: "A blend: a where t is 0, b where t is 1. The same as `mix`.",
+        doc: "The amount comes last, as in most shading languages. Perlin's own code has it first; by name it may \
+              stand anywhere: `lerp(t = 0.3, a = 10, b = 20)`.",
+        examples: &[ex("lerp(10, 20, 0.3)", "13")],
+        kernel: map3!(mix),
+    },
+    Builtin {
+        name: "bias",
+        params: &[Param::new("b"), Param::new("x")],
+        brief: "Bends the unit interval so that 0.5 goes to b.",
+        doc: "`x ^ (log(b) / log(0.5))`: 0 and 1 stay, a b above 0.5 lifts what is between, one below lowers it. \
+              b lies between 0 and 1 (Perlin and Hoffert, *Hypertexture*, 1989).",
+        examples: &[ex("bias(0.25, [0 0.5 1])", "[0 0.25 1]"), ex("bias(0.5, 0.3)", "0.3")],
+        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, bias)),
+    },
+    Builtin {
+        name: "gain",
+        params: &[Param::new("g"), Param::new("x")],
+        brief: "Bends the unit interval into an S about 0.5.",
+        doc: "Two halves of [bias](#bias): a g above 0.5 makes the middle steeper, one below makes it flatter; \
+              0, 0.5 and 1 stay. g lies between 0 and 1 (Perlin and Hoffert, *Hypertexture*, 1989).",
+        examples: &[
+            ex("gain(0.75, [0 0.25 0.5 0.75 1])", "[0 0.125 0.5 0.875 1]"),
+            ex("gain(0.5, 0.3)", "0.3"),
+        ],
+        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, gain)),
+    },
+    Builtin {
+        name: "gammacorrect",
+        params: &[Param::new("gamma"), Param::new("x")],
+        brief: "`x ^ (1 / gamma)`: lifts the middle of the unit interval if gamma is above 1.",
+        doc: "Colours in image files usually want [linear_to_srgb](#linear_to_srgb), and the image writer does that \
+              by itself.",
+        examples: &[ex("gammacorrect(2, [0 0.25 1])", "[0 0.5 1]")],
+        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, |gamma, x| math::pow(x, 1.0 / gamma))),
+    },
+    Builtin {
+        name: "cycloid",
+        params: &[Param::new("x")],
+        brief: "A wave with sharp crests and broad troughs, from -1 to 1, with period 2 pi.",
+        doc: "The height of the curve that a point on a rolling wheel draws, turned over: with x = t - sin(t) it is \
+              cos(t). Its crests, at 0 and every 2 pi, are cusps of height 1; its troughs, at pi, lie at -1; its mean \
+              is -1/2. It is the steepest shape of a water wave, and the profile of the waves of *An Image \
+              Synthesizer*: `normal += direction(v) * cycloid(norm(v))`.",
+        examples: &[ex("cycloid([0 pi 2*pi])", "[1 -1 1]"), ex("cycloid(pi/2 - 1)", "0")],
+        kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, cycloid)),
+    },
+];
