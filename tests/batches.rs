@@ -1,0 +1,284 @@
+//! The result of a program on many pixels is what it gives on each pixel alone: the same bits, or the same
+//! error at the same pixel, for any batch, any number of threads, any instruction set. Held over random
+//! programs with branches, loops, early returns, recursion and values that change shape.
+
+use proptest::prelude::*;
+use pse::lanes::Isa;
+use pse::{Image, Limits, PixelValue, Program, RunOptions, Shape, Variable};
+
+/// Writes a program from a stream of choices; when the stream ends it writes the simplest thing.
+struct Writer<'a> {
+    choices: std::slice::Iter<'a, u8>,
+    text: String,
+    loops: usize,
+}
+
+impl Writer<'_> {
+    fn pick(&mut self, n: u8) -> u8 {
+        self.choices.next().map_or(0, |c| c % n)
+    }
+
+    fn line(&mut self, depth: usize, text: &str) {
+        self.text.push_str(&"    ".repeat(depth));
+        self.text.push_str(text);
+        self.text.push('\n');
+    }
+
+    fn number(&mut self) -> String {
+        ["0", "1", "0.5", "-2", "3", "1e20", "0/0", "7.25"][usize::from(self.pick(8))].into()
+    }
+
+    /// A scalar expression.
+    fn scalar(&mut self, depth: usize) -> String {
+        if depth == 0 {
+            return match self.pick(8) {
+                0 => "x".into(),
+                1 => "y".into(),
+                2 => format!("s{}", self.pick(3)),
+                3 => "k".into(),
+                4 => "p.y".into(),
+                5 => "pixel.x".into(),
+                _ => self.number(),
+            };
+        }
+        let d = depth - 1;
+        match self.pick(14) {
+            0 => format!("({} + {})", self.scalar(d), self.scalar(d)),
+            1 => format!("({} - {})", self.scalar(d), self.scalar(d)),
+            2 => format!("({} * {})", self.scalar(d), self.scalar(d)),
+            3 => format!("({} / {})", self.scalar(d), self.scalar(d)),
+            4 => format!("({} % {})", self.scalar(d), self.scalar(d)),
+            5 => format!("({} < {})", self.scalar(d), self.scalar(d)),
+            6 => format!("({} && {})", self.scalar(d), self.scalar(d)),
+            7 => format!("({} || {})", self.scalar(d), self.scalar(d)),
+            8 => format!("({} ? {} : {})", self.scalar(d), self.scalar(d), self.scalar(d)),
+            9 => format!("sin({})", self.scalar(d)),
+            10 => format!("Noise({})", self.vector(d)),
+            11 => format!("sum({})", self.vector(d)),
+            12 => format!("deep({}, {})", self.scalar(d), self.pick(5)),
+            _ => format!("early({}, {})", self.vector(d), self.scalar(d)),
+        }
+    }
+
+    /// A vector, of whatever length.
+    fn vector(&mut self, depth: usize) -> String {
+        match self.pick(7) {
+            0 => "p".into(),
+            1 => "v0".into(),
+            2 => "v1".into(),
+            3 if depth > 0 => format!("[{} {}]", self.scalar(depth - 1), self.scalar(depth - 1)),
+            4 if depth > 0 => format!("({} * {})", self.vector(depth - 1), self.scalar(depth - 1)),
+            5 if depth > 0 => format!("({} ? {} : {})", self.scalar(0), self.vector(depth - 1), self.vector(depth - 1)),
+            _ => "[1 2 x]".into(),
+        }
+    }
+
+    fn block(&mut self, depth: usize, in_loop: bool) {
+        let n = 1 + self.pick(3);
+        for _ in 0..n {
+            self.statement(depth, in_loop);
+        }
+    }
+
+    fn statement(&mut self, depth: usize, in_loop: bool) {
+        let shallow = depth < 4;
+        match self.pick(12) {
+            0 | 1 => {
+                let (i, e) = (self.pick(3), self.scalar(2));
+                self.line(depth, &format!("s{i} = {e}"));
+            }
+            2 => {
+                let (i, e) = (self.pick(3), self.scalar(2));
+                let op = ["+=", "*=", "-=", "&&=", "||="][usize::from(self.pick(5))];
+                self.line(depth, &format!("s{i} {op} {e}"));
+            }
+            3 => {
+                let (i, e) = (self.pick(2), self.vector(2));
+                self.line(depth, &format!("v{i} = {e}"));
+            }
+            4 => {
+                let (i, e) = (self.pick(2), self.scalar(1));
+                self.line(depth, &format!("v{i}[size(v{i}) + {}] = {e}", self.text.len() % 2));
+            }
+            5 => {
+                let (i, e, index) = (self.pick(2), self.scalar(1), self.scalar(1));
+                self.line(depth, &format!("v{i}[1 + abs({index}) % 2] = {e}"));
+            }
+            6 | 7 if shallow => {
+                let c = self.scalar(2);
+                self.line(depth, &format!("if {c}"));
+                self.block(depth + 1, in_loop);
+                if self.pick(2) == 1 {
+                    self.line(depth, "else");
+                    self.block(depth + 1, in_loop);
+                }
+            }
+            8 if shallow && self.loops < 3 => {
+                self.loops += 1;
+                let c = self.scalar(1);
+                self.line(depth, "n = 0");
+                self.line(depth, &format!("while n < 6 && {c}"));
+                self.line(depth + 1, "n += 1");
+                self.block(depth + 1, true);
+            }
+            9 if shallow && self.loops < 3 => {
+                self.loops += 1;
+                let v = self.vector(1);
+                self.line(depth, &format!("for k in {v}"));
+                self.block(depth + 1, true);
+            }
+            10 if in_loop => {
+                let c = self.scalar(1);
+                self.line(depth, &format!("if {c}"));
+                let word = if self.pick(2) == 0 { "break" } else { "continue" };
+                self.line(depth + 1, word);
+            }
+            _ => {
+                let e = self.scalar(1);
+                self.line(depth, &format!("s0 = {e}"));
+            }
+        }
+    }
+}
+
+fn program(choices: &[u8]) -> String {
+    let mut writer = Writer { choices: choices.iter(), text: String::new(), loops: 0 };
+    writer.text.push_str(
+        "function deep(a, n)\n    if n <= 0 || a > 100\n        return a\n    return deep(a + x, n - 1)\n\
+         function early(v, a)\n    for e in v\n        if e > a\n            return e * 2\n        a += y\n    return a\n\
+         s0 = x\ns1 = y\ns2 = 0.25\nk = 0\nv0 = [x y]\nv1 = p\n",
+    );
+    writer.block(0, false);
+    writer.block(0, false);
+    writer.text.push_str("color = [s0 s1 s2]\nlast = sum(v0) + sum(v1)\nif x > 0.5\n    some = y\n");
+    writer.text
+}
+
+const WIDTH: usize = 37;
+const HEIGHT: usize = 29;
+
+/// Planes with plain and awkward numbers, in patches and scattered.
+fn image() -> Image<'static> {
+    let n = WIDTH * HEIGHT;
+    let hash = |i: usize| (i.wrapping_mul(2_654_435_761) >> 7) % 1000;
+    let x: Vec<f32> = (0..n).map(|i| hash(i) as f32 / 500.0 - 1.0).collect();
+    let y: Vec<f32> = (0..n)
+        .map(|i| match i % 101 {
+            0 => f32::NAN,
+            1 => f32::INFINITY,
+            2 => -0.0,
+            _ => (i / 64) as f32 * 0.125 - 1.0,
+        })
+        .collect();
+    let p = [0, 1, 2].map(|c| (0..n).map(|i| hash(i * 3 + c) as f32 * 0.01).collect::<Vec<f32>>());
+    let variables = [
+        Variable::new("x", Shape::Scalar, [x]).unwrap(),
+        Variable::new("y", Shape::Scalar, [y]).unwrap(),
+        Variable::new("p", Shape::Vector(3), p).unwrap(),
+    ];
+    Image::new(WIDTH, HEIGHT, variables).unwrap()
+}
+
+/// A run's result, as something to compare: the outputs' bits, or the error's text and pixel.
+fn outcome(program: &Program, image: &Image<'_>, options: &RunOptions<'_>) -> Result<Vec<Vec<u32>>, String> {
+    let outputs = ["color", "last", "some"].map(String::from).to_vec();
+    let limits = Limits { steps: 3000, depth: 20, cells: 200, memory: 64 << 20 };
+    let options = RunOptions { outputs: Some(outputs), limits, ..options.clone() };
+    match program.run(image, &options) {
+        Ok(report) => Ok(report
+            .image
+            .variables
+            .iter()
+            .flat_map(|v| &v.planes)
+            .map(|p| p.iter().map(|x| if x.is_nan() { 0x7fc0_0000 } else { x.to_bits() }).collect())
+            .collect()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    #[test]
+    fn batches_threads_and_instruction_sets_agree(choices in prop::collection::vec(any::<u8>(), 0..160)) {
+        let text = program(&choices);
+        let program = Program::compile(&text).unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let image = image();
+        let alone = RunOptions { batch: Some(1), threads: Some(1), isa: Some(Isa::baseline()), ..RunOptions::default() };
+        let expected = outcome(&program, &image, &alone);
+        for batch in [7, 255, 256, 257, 512, 4096] {
+            let options = RunOptions { batch: Some(batch), threads: Some(1), ..RunOptions::default() };
+            prop_assert_eq!(&outcome(&program, &image, &options), &expected, "batch {}\n{}", batch, text);
+        }
+        let two = RunOptions { threads: Some(2), ..RunOptions::default() };
+        prop_assert_eq!(&outcome(&program, &image, &two), &expected, "2 threads\n{}", text);
+    }
+}
+
+/// The threads above share one chunk of a small image; here there are many.
+#[test]
+fn two_threads_equal_one_on_a_large_image() {
+    let n = 300_000;
+    let x: Vec<f32> = (0..n).map(|i| (i % 977) as f32 * 0.01).collect();
+    let image = Image::new(n, 1, [Variable::new("x", Shape::Scalar, [x]).unwrap()]).unwrap();
+    let program = Program::compile(
+        "t = 0\nwhile t < x\n    t += 0.5 + 0.25 * sin(t)\nif t > 5\n    v = [t]\nelse\n    v = [t t]\ncolor = t * sum(v)\n",
+    )
+    .unwrap();
+    let bits = |threads| {
+        let report = program.run(&image, &RunOptions { threads: Some(threads), ..RunOptions::default() }).unwrap();
+        report.image.variables[0].planes[0].iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+    };
+    assert!(bits(1) == bits(2));
+}
+
+/// An error is that of the first pixel in reading order, wherever in the program it happens.
+#[test]
+fn the_first_pixel_in_error_is_reported() {
+    let program = Program::compile(
+        "v = [1 2]\nif pixel.x > 30\n    color = v[5]\nif pixel.x > 20 && pixel.y > 3\n    color = v[7]\ncolor = 1\n",
+    )
+    .unwrap();
+    let image = Image { width: WIDTH, height: HEIGHT, ..Image::default() };
+    for batch in [1, 7, 512] {
+        let options = RunOptions { batch: Some(batch), ..RunOptions::default() };
+        let error = program.run(&image, &options).unwrap_err();
+        assert_eq!(error.diagnostics[0].pixel, Some([30, 0]), "batch {batch}");
+        assert!(error.diagnostics[0].message.contains("element 5"), "{error}");
+    }
+}
+
+#[test]
+fn runaway_programs_end_soon() {
+    let image = Image { width: 640, height: 480, ..Image::default() };
+    for (text, word) in [
+        ("t = 0\nwhile 1\n    t += 1\ncolor = t", "steps"),
+        ("t = pixel.x\nwhile pixel.x > 300\n    t += sin(t)\ncolor = t", "steps"),
+        ("function f(x)\n    return f(x + 1)\ncolor = f(pixel.x)", "deeper"),
+        ("function f(x)\n    if x > 25\n        return 1\n    return f(x + 1) + f(x + 1)\ncolor = f(0)", "steps"),
+        ("v = [1]\nwhile 1\n    v = append(v, v)\ncolor = 1", "more than"),
+        ("color = sum([1 .. 1000000000])", "more than"),
+        ("v = [1 .. 60000] * pixel.x\nw = v * 2\nu = w + 1\nz = u + w\nwhile 1\n    z += v\ncolor = z[1]", "more than"),
+    ] {
+        let program = Program::compile(text).unwrap_or_else(|e| panic!("{e}"));
+        let start = std::time::Instant::now();
+        let error = program.run(&image, &RunOptions::default()).unwrap_err();
+        assert!(error.diagnostics[0].message.contains(word), "{error}");
+        // Far above what it takes, far below what a user would call hanging.
+        assert!(start.elapsed().as_secs() < 20, "{text} took {:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn a_pixel_alone_is_the_pixel_of_the_image() {
+    let program = Program::compile("color = p * x + Noise(p)\n").unwrap();
+    let image = image();
+    let whole = program.run(&image, &RunOptions::default()).unwrap().image;
+    for (column, row) in [(0, 0), (5, 3), (WIDTH - 1, HEIGHT - 1)] {
+        let values = program.eval_pixel_of(&image, column, row, &RunOptions::default()).unwrap();
+        let pixel: Vec<f32> =
+            whole.variables[0].planes.iter().map(|p| p[row * WIDTH + column]).collect();
+        let expected = PixelValue::from(&pixel[..]);
+        assert_eq!(values, [("color".to_string(), expected)]);
+    }
+}
