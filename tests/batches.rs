@@ -68,7 +68,9 @@ impl Writer<'_> {
             2 => "v1".into(),
             3 if depth > 0 => format!("[{} {}]", self.scalar(depth - 1), self.scalar(depth - 1)),
             4 if depth > 0 => format!("({} * {})", self.vector(depth - 1), self.scalar(depth - 1)),
-            5 if depth > 0 => format!("({} ? {} : {})", self.scalar(0), self.vector(depth - 1), self.vector(depth - 1)),
+            5 if depth > 0 => {
+                format!("({} ? {} : {})", self.scalar(0), self.vector(depth - 1), self.vector(depth - 1))
+            }
             _ => "[1 2 x]".into(),
         }
     }
@@ -226,7 +228,8 @@ fn two_threads_equal_one_on_a_large_image() {
     )
     .unwrap();
     let bits = |threads| {
-        let report = program.run(&image, &RunOptions { threads: Some(threads), ..RunOptions::default() }).unwrap();
+        let report =
+            program.run(&image, &RunOptions { threads: Some(threads), ..RunOptions::default() }).unwrap();
         report.image.variables[0].planes[0].iter().map(|x| x.to_bits()).collect::<Vec<_>>()
     };
     assert!(bits(1) == bits(2));
@@ -255,10 +258,16 @@ fn runaway_programs_end_soon() {
         ("t = 0\nwhile 1\n    t += 1\ncolor = t", "steps"),
         ("t = pixel.x\nwhile pixel.x > 300\n    t += sin(t)\ncolor = t", "steps"),
         ("function f(x)\n    return f(x + 1)\ncolor = f(pixel.x)", "deeper"),
-        ("function f(x)\n    if x > 25\n        return 1\n    return f(x + 1) + f(x + 1)\ncolor = f(0)", "steps"),
+        (
+            "function f(x)\n    if x > 25\n        return 1\n    return f(x + 1) + f(x + 1)\ncolor = f(0)",
+            "steps",
+        ),
         ("v = [1]\nwhile 1\n    v = append(v, v)\ncolor = 1", "more than"),
         ("color = sum([1 .. 1000000000])", "more than"),
-        ("v = [1 .. 60000] * pixel.x\nw = v * 2\nu = w + 1\nz = u + w\nwhile 1\n    z += v\ncolor = z[1]", "more than"),
+        (
+            "v = [1 .. 60000] * pixel.x\nw = v * 2\nu = w + 1\nz = u + w\nwhile 1\n    z += v\ncolor = z[1]",
+            "more than",
+        ),
     ] {
         let program = Program::compile(text).unwrap_or_else(|e| panic!("{e}"));
         let start = std::time::Instant::now();
@@ -276,8 +285,7 @@ fn a_pixel_alone_is_the_pixel_of_the_image() {
     let whole = program.run(&image, &RunOptions::default()).unwrap().image;
     for (column, row) in [(0, 0), (5, 3), (WIDTH - 1, HEIGHT - 1)] {
         let values = program.eval_pixel_of(&image, column, row, &RunOptions::default()).unwrap();
-        let pixel: Vec<f32> =
-            whole.variables[0].planes.iter().map(|p| p[row * WIDTH + column]).collect();
+        let pixel: Vec<f32> = whole.variables[0].planes.iter().map(|p| p[row * WIDTH + column]).collect();
         let expected = PixelValue::from(&pixel[..]);
         assert_eq!(values, [("color".to_string(), expected)]);
     }
