@@ -1,8 +1,6 @@
 //! What the grammar does when it has read a rule: it makes nodes, and reports what was written wrong but can be read.
 
-use super::ast::{
-    Access, Argument, BinaryOp, Expr, ExprKind, Name, Stmt, StmtKind, Target, UnaryOp,
-};
+use super::ast::{Access, Argument, BinaryOp, Expr, ExprKind, Name, Stmt, StmtKind, Target, UnaryOp};
 use super::token::Token;
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 use lalrpop_util::ParseError;
@@ -199,10 +197,7 @@ impl Builder<'_, '_> {
         let what = self.quoted(e.span, "v").to_string();
         if elements.len() != 1 {
             let written = self.quoted(inside, "[1 2]");
-            let minus = elements
-                .iter()
-                .skip(1)
-                .any(|e| matches!(&*e.kind, ExprKind::Unary(UnaryOp::Neg, _)));
+            let minus = elements.iter().skip(1).any(|e| matches!(&*e.kind, ExprKind::Unary(UnaryOp::Neg, _)));
             let hint = if elements.is_empty() {
                 format!("The first component is `{what}[1]`.")
             } else if minus {
@@ -263,7 +258,9 @@ impl Builder<'_, '_> {
             (None, Some((name, path))) => StmtKind::Assign { target: Target { name, path, span }, op, value },
             (what, _) => {
                 let hint = match what {
-                    Some("a vector") => "Assign to one variable, and take its components: `v = f(x)`, `v[1]`.",
+                    Some("a vector") => {
+                        "Assign to one variable, and take its components: `v = f(x)`, `v[1]`."
+                    }
                     Some("an expression") => {
                         "On the left of `=` stands a variable, `v[i]` or `v.x`; to compare, write `==`."
                     }
@@ -303,7 +300,8 @@ impl Builder<'_, '_> {
         for item in items {
             let (l, r, condition, block) = match item {
                 Item::Stmt(stmt) => {
-                    before = if matches!(stmt.kind, StmtKind::If { .. }) { Before::If } else { Before::Other };
+                    before =
+                        if matches!(stmt.kind, StmtKind::If { .. }) { Before::If } else { Before::Other };
                     body.push(stmt);
                     continue;
                 }

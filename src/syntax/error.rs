@@ -37,12 +37,10 @@ pub fn explain(fault: Fault, source: SourceId, text: &str, tokens: &[Spanned]) -
     if scene.found == Token::Separator {
         span = Span::new(source, start, scene.line.get(scene.at + 1).map_or(end, |t| t.2));
     }
+    let span = said.place.unwrap_or(span);
     let mut error = Diagnostic::error("syntax", said.message, span);
     if !said.label.is_empty() {
         error = error.label(span, said.label);
-    }
-    for (place, label) in said.places {
-        error = error.label(place, label);
     }
     for hint in said.hints {
         error = error.hint(hint);
@@ -72,7 +70,8 @@ struct Said {
     message: String,
     label: String,
     hints: Vec<String>,
-    places: Vec<(Span, String)>,
+    /// The place to show, if it is not the token that did not fit.
+    place: Option<Span>,
 }
 
 fn said(message: impl Into<String>, hint: impl Into<String>) -> Said {
@@ -155,18 +154,23 @@ impl<'a> Scene<'a> {
     fn say(&self, found: &str) -> Said {
         let before = self.before().copied();
         let after_operand = before.is_some_and(|t| t.1.ends_operand());
-        self.head(found)
-            .or_else(|| self.by_token(found, after_operand))
-            .unwrap_or_else(|| match before {
-                Some(before) if after_operand => self.two_operands(found, before),
-                _ => self.no_operand(found, before),
-            })
+        self.head(found).or_else(|| self.by_token(found, after_operand)).unwrap_or_else(|| match before {
+            Some(before) if after_operand => self.two_operands(found, before),
+            _ => self.no_operand(found, before),
+        })
     }
 
     /// The parts of a statement that stand before any expression.
     fn head(&self, found: &str) -> Option<Said> {
         let hints = self.form_hint();
         let make = |message: String| Some(Said { message, hints: hints.clone(), ..Said::default() });
+        if self.found == Token::Assign && self.at == 1 && self.first()?.is_keyword() {
+            let word = self.word(&self.line[0]);
+            return Some(Said {
+                place: Some(Span::new(self.source, self.line[0].0, self.line[0].2)),
+                ..said(format!("`{word}` is a word of the language"), "A variable needs another name.")
+            });
+        }
         match (self.first()?, self.at) {
             (Token::For, 1) if self.found == Token::OpenParen => Some(said(
                 "`for` has no brackets",
@@ -181,21 +185,21 @@ impl<'a> Scene<'a> {
             (Token::Import, 1) => {
                 make(format!("a file's name in quotes is expected here, and {found} was found"))
             }
-            (Token::Break | Token::Continue, 1) => {
-                make(format!("`{}` stands alone on its line, and {found} was found", self.word(&self.line[0])))
-            }
-            (Token::Else, 1) => {
-                Some(said(format!("{found} cannot follow `else`"), "With a condition, write `else if condition`."))
-            }
+            (Token::Break | Token::Continue, 1) => make(format!(
+                "`{}` stands alone on its line, and {found} was found",
+                self.word(&self.line[0])
+            )),
+            (Token::Else, 1) => Some(said(
+                format!("{found} cannot follow `else`"),
+                "With a condition, write `else if condition`.",
+            )),
             (Token::Function, n) if self.open().is_some() && n > 2 && self.found != Token::Assign => {
                 let in_default = self.line[..n].iter().rev().take_while(|t| t.1 != Token::Comma);
                 if in_default.into_iter().any(|t| t.1 == Token::Assign) {
                     return None;
                 }
                 match self.before()?.1 {
-                    Token::Name => {
-                        make(format!("`,` or `)` is expected here, and {found} was found"))
-                    }
+                    Token::Name => make(format!("`,` or `)` is expected here, and {found} was found")),
                     _ => make(format!("the name of a parameter is expected here, and {found} was found")),
                 }
             }
@@ -211,8 +215,7 @@ impl<'a> Scene<'a> {
             Token::Assign if header || open.is_some() => Some(if self.argument_name_with_path() {
                 said("an argument's name is a single name", "Write `f(v, name = value)`.")
             } else {
-                said("`=` assigns, and cannot stand in an expression", "Use `==` to compare.")
-                    .label("`==`?")
+                said("`=` assigns, and cannot stand in an expression", "Use `==` to compare.").label("`==`?")
             }),
             Token::Assign => Some(said(
                 "there can be one `=` in a line",
@@ -230,9 +233,10 @@ impl<'a> Scene<'a> {
                 "this `:` has no `?`",
                 "A choice is written `condition ? value : other`; a range `[1 .. 5]`.",
             )),
-            Token::Range if self.line.iter().take(self.at).any(|t| t.1 == Token::Range) => {
-                Some(said("a range has two ends, and no step", "Write `[1 .. 5]`, or `2*[1 .. 5]` for steps of 2."))
-            }
+            Token::Range if self.line.iter().take(self.at).any(|t| t.1 == Token::Range) => Some(said(
+                "a range has two ends, and no step",
+                "Write `[1 .. 5]`, or `2*[1 .. 5]` for steps of 2.",
+            )),
             Token::Range => Some(said("a range stands inside `[ ]`", "Write `[1 .. 5]`.")),
             Token::Comma if open.is_none() && after_operand => Some(said(
                 "`,` separates arguments and elements, and here is neither",
@@ -242,9 +246,10 @@ impl<'a> Scene<'a> {
                     "Assign one variable on each line."
                 },
             )),
-            Token::Add if !after_operand => {
-                Some(said("an expression is expected here, and `+` was found", "Leave the `+` out; a number needs none."))
-            }
+            Token::Add if !after_operand => Some(said(
+                "an expression is expected here, and `+` was found",
+                "Leave the `+` out; a number needs none.",
+            )),
             Token::If if self.at > 0 => Some(said(
                 "`if` starts a statement, and cannot stand in an expression",
                 "To choose between two values write `condition ? value : other`.",
@@ -255,14 +260,14 @@ impl<'a> Scene<'a> {
                     "A statement goes on a line of its own.",
                 );
                 if self.line.get(self.at + 1).is_none_or(|t| !t.1.starts_operand()) {
-                    answer.hints = vec![format!("{found} is a word of the language: a variable needs another name.")];
+                    answer.hints =
+                        vec![format!("{found} is a word of the language: a variable needs another name.")];
                 }
                 Some(answer)
             }
-            Token::In | Token::EndOfLine if self.missing_colon() => Some(said(
-                "this `?` has no `:`",
-                "A choice is written `condition ? value : other`.",
-            )),
+            Token::In | Token::EndOfLine if self.missing_colon() => {
+                Some(said("this `?` has no `:`", "A choice is written `condition ? value : other`."))
+            }
             Token::CloseParen | Token::CloseSquare | Token::Comma | Token::Separator
                 if self.missing_colon() =>
             {
@@ -271,6 +276,10 @@ impl<'a> Scene<'a> {
                     "A choice is written `condition ? value : other`.",
                 ))
             }
+            Token::In if self.at == 0 => Some(said(
+                "`in` is a word of the language",
+                "A variable needs another name; to loop over a vector, write `for name in vector`.",
+            )),
             Token::In => Some(said(
                 "`in` is a word of `for` and `param`, and no operator",
                 "To loop over a vector, write `for name in vector`.",
@@ -308,7 +317,8 @@ impl<'a> Scene<'a> {
         // The first word may be a keyword with a slip in it.
         if self.at == 1 && before.1 == Token::Name {
             if let Some(keyword) = nearest_keyword(word) {
-                answer.places.push((Span::new(self.source, before.0, before.2), format!("`{keyword}`?")));
+                answer.message = format!("`{word}` starts no statement");
+                answer.place = Some(Span::new(self.source, before.0, before.2));
                 answer.hints.push(format!("Did you mean `{keyword}`?"));
                 return answer;
             }
@@ -322,16 +332,16 @@ impl<'a> Scene<'a> {
             return answer;
         }
         match (before.1, self.found, here) {
+            (_, Token::Number | Token::Name | Token::Text | Token::OpenSquare, _)
+                if self.open().is_some_and(|t| t.1 == Token::OpenParen) && self.expects(",") =>
+            {
+                answer.hints.push("Arguments are separated by `,`.".to_string());
+            }
             (Token::Number, Token::Name, Some(name)) | (Token::CloseParen, Token::Name, Some(name)) => {
                 answer.hints.push(format!("To multiply, write `… * {}`.", self.word(name)));
             }
             (_, Token::Number | Token::Name | Token::Separator, _) if self.open().is_none() => {
                 answer.hints.push("A vector is written in `[ ]`: `[1 0 0]`.".to_string());
-            }
-            (_, Token::Number | Token::Name | Token::Text | Token::OpenSquare, _)
-                if self.open().is_some_and(|t| t.1 == Token::OpenParen) =>
-            {
-                answer.hints.push("Arguments are separated by `,`.".to_string());
             }
             _ => {}
         }
@@ -370,8 +380,7 @@ impl<'a> Scene<'a> {
                 answer.hints = vec!["Delete one of them.".to_string()];
             }
             (_, token) if token.is_infix() || before.1.is_infix() || before.1 == Token::Sub => {
-                answer.message =
-                    format!("an expression is expected after `{word}`, and {found} was found");
+                answer.message = format!("an expression is expected after `{word}`, and {found} was found");
                 if answer.hints.is_empty() {
                     answer.hints.push("An operator stands between two values.".to_string());
                 }

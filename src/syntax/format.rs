@@ -5,8 +5,8 @@
 //! one around every function. Numbers, strings and round brackets stay as they were written.
 //! A comment inside an expression that has no line of its own there moves to the line above.
 //!
-//! The form is a fixed point, and has the same tree: both are checked before it is given out, so that a fault here
-//! can never change a program.
+//! The printed text is parsed again, and given out only if it has the same tree: a fault here can never change
+//! a program.
 
 use super::ast::*;
 use super::dump::tree;
@@ -28,12 +28,14 @@ pub fn format(text: &str) -> Result<String, Vec<Diagnostic>> {
         return Ok(printed);
     }
     // A fault of the formatter, not of the program.
-    Err(vec![Diagnostic::error(
-        "syntax",
-        "this program cannot be formatted without changing it",
-        Span::new(SourceId::default(), 0, 0),
-    )
-    .hint("Please report it, with the program; it is not changed.")])
+    Err(vec![
+        Diagnostic::error(
+            "syntax",
+            "this program cannot be formatted without changing it",
+            Span::new(SourceId::default(), 0, 0),
+        )
+        .hint("Please report it, with the program; it is not changed."),
+    ])
 }
 
 fn lines(text: &str, whole: &Whole) -> String {

@@ -36,6 +36,8 @@ pub struct Place {
     pub next: Option<Token>,
     /// No bracket is open.
     pub outside: bool,
+    /// The line starts with `for`.
+    pub in_for: bool,
     /// The line starts with `if`, `while` or another word that takes a block.
     pub header: bool,
 }
@@ -79,16 +81,14 @@ pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
             },
             Unknown,
         ),
-        Token::EqEqEq => {
-            habit("`===` is no operator", "Write `==` to compare.", Tokens(&[Token::Eq]))
+        Token::EqEqEq => habit("`===` is no operator", "Write `==` to compare.", Tokens(&[Token::Eq])),
+        Token::NotEqEq => {
+            habit("`!==` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
         }
-        Token::NotEqEq => habit("`!==` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne])),
         Token::LessGreater => {
             habit("`<>` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
         }
-        Token::ColonAssign => {
-            habit("`:=` is no operator", "Write `=` to assign.", Tokens(&[Token::Assign]))
-        }
+        Token::ColonAssign => habit("`:=` is no operator", "Write `=` to assign.", Tokens(&[Token::Assign])),
         Token::AssignGreater => {
             habit("`=>` is no operator", "Write `>=` for \"greater or equal\".", Tokens(&[Token::Ge]))
         }
@@ -102,6 +102,11 @@ pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
             "a statement does not end with `;`",
             "The end of the line ends it; a second statement goes on a line of its own.",
             Tokens(if place.last() { &[] } else { &[Token::EndOfLine] }),
+        ),
+        Token::Semicolon if place.in_for => habit(
+            "`for` goes through the elements of a vector",
+            "Write `for i in [1 .. 10]`; for counting with a condition there is `while`.",
+            Unknown,
         ),
         Token::Semicolon => habit(
             "`;` separates nothing",
@@ -150,8 +155,8 @@ fn word(text: &str, place: &Place) -> Option<Habit> {
             "Write `function name(a, b)`.",
             Tokens(&[Token::Function]),
         ),
-        "let" | "var" | "const" | "local" | "float" | "int" | "bool" | "double" | "vec2" | "vec3" | "vec4"
-        | "vector" | "point" | "color"
+        "let" | "var" | "const" | "local" | "float" | "int" | "bool" | "double" | "vec2" | "vec3"
+        | "vec4" | "vector" | "point" | "color"
             if place.first && declares =>
         {
             habit(
@@ -251,7 +256,7 @@ fn unknown(text: &str, place: &Place) -> Habit {
         '“' | '”' | '„' | '‘' | '’' | '«' | '»' | '`' | '\'' => (
             format!("`{first}` is not a quotation mark of the language"),
             "Write a string in plain double quotes: \"name\".".to_string(),
-            Unknown,
+            if text.chars().count() > 1 { Tokens(&[Token::Text]) } else { Unknown },
         ),
         '\u{a0}' | '\u{2000}'..='\u{200b}' | '\u{202f}' | '\u{3000}' | '\u{feff}' => (
             format!("a character that only looks like a blank (U+{:04X})", first as u32),

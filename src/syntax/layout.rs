@@ -32,6 +32,9 @@ pub struct Layout {
     pub comments: Vec<Comment>,
     /// What is wrong so far.
     pub errors: Vec<Diagnostic>,
+    /// Lines that need a block and have none: where each starts and ends, and the error. If the line itself is
+    /// at fault, that is what counts.
+    pub blockless: Vec<(usize, usize, Diagnostic)>,
     /// The text stops inside a bracket, or before the block of its last line.
     pub incomplete: bool,
     /// A bracket is open at the end.
@@ -49,6 +52,7 @@ pub fn layout(source: SourceId, text: &str) -> Layout {
         next: 0,
         comments: Vec::new(),
         errors: Vec::new(),
+        blockless: Vec::new(),
         habits: Vec::new(),
         open_at_end: false,
     };
@@ -84,6 +88,7 @@ pub fn layout(source: SourceId, text: &str) -> Layout {
         tokens: blocks.out,
         comments: reader.comments,
         errors: reader.errors,
+        blockless: reader.blockless,
         incomplete: header || reader.open_at_end,
         open_bracket: reader.open_at_end,
         in_block,
@@ -98,6 +103,7 @@ pub struct Reader<'a> {
     pub(super) next: usize,
     pub(super) comments: Vec<Comment>,
     pub(super) errors: Vec<Diagnostic>,
+    blockless: Vec<(usize, usize, Diagnostic)>,
     /// Messages on habits, with the error that each made: one error names all places.
     pub(super) habits: Vec<(String, usize)>,
     /// A bracket was open at the end of the text.
@@ -180,12 +186,9 @@ impl<'a> Blocks<'a> {
         let shown = |level: &Level| width(level.indent).abs_diff(width(indent));
         let nearest = (0..self.levels.len()).rev().min_by_key(|&i| shown(&self.levels[i])).unwrap_or(0);
         if self.top().indent.starts_with(indent) {
-            let mut error = Diagnostic::error(
-                "syntax",
-                "this line is indented less than its block, but as no line around it",
-                reader.span(start, at),
-            )
-            .label(reader.span(start, at), format!("{} here", blanks(indent)));
+            let mut error =
+                Diagnostic::error("syntax", "the indent of this line fits no block", reader.span(start, at))
+                    .label(reader.span(start, at), format!("{} here", blanks(indent)));
             for level in self.levels.iter().rev().take(2).rev() {
                 let text = match level.indent {
                     "" => "an outer line: no indent".to_string(),
@@ -235,18 +238,16 @@ impl<'a> Blocks<'a> {
         let Some(((start, token, end), report)) = self.header.take() else { return };
         if report {
             let word = &reader.text[start..end];
-            let mut error = Diagnostic::error(
-                "syntax",
-                format!("`{word}` has no block"),
-                reader.span(start, end),
-            );
+            let mut error =
+                Diagnostic::error("syntax", format!("`{word}` has no block"), reader.span(start, end));
             let first = next.and_then(|n| n.tokens.first());
             if let Some(&(start, first, end)) = first.filter(|t| t.1 != Token::Else) {
                 if first != token {
                     error = error.label(reader.span(start, end), "this line is not indented");
                 }
             }
-            reader.errors.push(error.hint("Indent the lines that belong to it, by four blanks."));
+            let error = error.hint("Indent the lines that belong to it, by four blanks.");
+            reader.blockless.push((start, self.out.last().map_or(end, |t| t.2), error));
         }
         let at = self.out.last().map_or(end, |t| t.2);
         self.out.push((at, Token::Indent, at));

@@ -29,6 +29,8 @@ pub struct Line {
 /// An open bracket (or the line itself), with bounds on the depth of the tree inside it.
 struct Frame {
     open: Option<Lexeme>,
+    /// It is a call's or an index's: in the tree a link of the chain that it stands in, not a node by itself.
+    postfix: bool,
     /// How many operators the element has so far.
     operators: u32,
     /// The deepest bracket of the element so far.
@@ -38,8 +40,8 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(open: Option<Lexeme>) -> Frame {
-        Frame { open, operators: 0, inner: 0, deepest: 0 }
+    fn new(open: Option<Lexeme>, postfix: bool) -> Frame {
+        Frame { open, postfix, operators: 0, inner: 0, deepest: 0 }
     }
 
     fn is(&self, token: Token) -> bool {
@@ -52,7 +54,7 @@ impl Frame {
     }
 
     fn next_element(&mut self) {
-        *self = Frame { deepest: self.depth(), ..Frame::new(self.open) };
+        *self = Frame { deepest: self.depth(), ..Frame::new(self.open, self.postfix) };
     }
 }
 
@@ -75,7 +77,7 @@ impl State<'_> {
 
     fn top(&mut self) -> &mut Frame {
         if self.frames.is_empty() {
-            self.frames.push(Frame::new(None));
+            self.frames.push(Frame::new(None, false));
         }
         let last = self.frames.len() - 1;
         &mut self.frames[last]
@@ -89,7 +91,7 @@ impl<'a> Reader<'a> {
         let mut state = State {
             line: Line { tokens: Vec::new(), unreadable: false, end: (end, end) },
             indent,
-            frames: vec![Frame::new(None)],
+            frames: vec![Frame::new(None, false)],
             blank: false,
             too_deep: false,
             questions: 0,
@@ -148,12 +150,12 @@ impl<'a> Reader<'a> {
         let word = &self.text[start..end];
         let bracket = "An expression goes on over the end of a line only inside `( )` or `[ ]`.";
         if infix && state.line.tokens.len() > 1 {
-            let what = if token.is_assignment() { "the value is missing" } else { "nothing follows" };
+            let what = if token.is_assignment() { "the value is missing after" } else { "nothing follows" };
             state.line.unreadable = true;
             self.errors.push(
                 Diagnostic::error(
                     "syntax",
-                    format!("{what} after `{word}` at the end of the line"),
+                    format!("{what} `{word}` at the end of the line"),
                     self.span(start, end),
                 )
                 .hint(bracket),
@@ -260,10 +262,14 @@ impl<'a> Reader<'a> {
             after_operand: state.last().is_some_and(|t| t.1.ends_operand()),
             next: self.raw[self.next..].iter().map(|l| l.token).find(|t| *t != Token::Blank),
             outside: state.frames.len() == 1,
+            in_for: state.line.tokens.first().is_some_and(|t| t.1 == Token::For),
             header: state.line.tokens.first().is_some_and(|t| t.1.opens_block()) && state.questions == 0,
         };
         if let Some(found) = habit::find(token, &self.text[start..end], &place) {
-            self.report_habit(lexeme, &found);
+            // A line that is given up gets no more messages that only guess.
+            if !(state.line.unreadable && found.meant == Meant::Unknown) {
+                self.report_habit(lexeme, &found);
+            }
             match found.meant {
                 Meant::Unknown => state.line.unreadable = true,
                 Meant::Tokens(tokens) => {
@@ -307,7 +313,8 @@ impl<'a> Reader<'a> {
 
     /// One error for each kind of habit, which names all its places.
     fn report_habit(&mut self, lexeme: Lexeme, found: &habit::Habit) {
-        let span = self.span(lexeme.start, lexeme.end);
+        let end = if lexeme.token == Token::SlashStar { lexeme.start + 2 } else { lexeme.end };
+        let span = self.span(lexeme.start, end);
         if let Some((_, error)) = self.habits.iter().find(|(m, _)| *m == found.message) {
             let error = &mut self.errors[*error];
             if error.labels.len() < 5 {
@@ -401,8 +408,8 @@ impl<'a> Reader<'a> {
         let after_operand = state.last().is_some_and(|t| t.1.ends_operand());
         match token {
             Token::OpenParen | Token::OpenSquare => {
-                state.top().operators += 1;
-                state.frames.push(Frame::new(Some(lexeme)));
+                state.top().operators += u32::from(after_operand);
+                state.frames.push(Frame::new(Some(lexeme), after_operand));
                 if state.frames.len() > MAX_BRACKETS + 1 {
                     let message = format!("brackets are nested more than {MAX_BRACKETS} deep");
                     self.too_deep(state, lexeme, message);
@@ -453,9 +460,8 @@ impl<'a> Reader<'a> {
             Token::Add if touches_next => {
                 let span = self.span(lexeme.start, lexeme.end);
                 self.errors.push(
-                    Diagnostic::error("syntax", "`+` has a blank before it and none after it", span).hint(
-                        "For a sum write `a + b` or `a+b`; for two elements write `a b`, without `+`.",
-                    ),
+                    Diagnostic::error("syntax", "`+` has a blank before it and none after it", span)
+                        .hint("For a sum write `a + b` or `a+b`; for two elements write `a b`, without `+`."),
                 );
                 return;
             }
@@ -496,7 +502,7 @@ impl<'a> Reader<'a> {
                 state.frames.truncate(matching + 1);
             }
         }
-        let depth = state.top().depth() + 1;
+        let depth = state.top().depth() + u32::from(!state.top().postfix);
         state.frames.pop();
         let outer = state.top();
         outer.inner = outer.inner.max(depth);

@@ -11,10 +11,10 @@ mod actions;
 pub mod ast;
 mod dump;
 mod error;
+mod format;
 mod habit;
 mod layout;
 mod line;
-mod format;
 mod parse;
 mod print;
 mod token;
@@ -24,3 +24,8 @@ pub use format::format;
 pub use layout::MAX_BLOCKS;
 pub use line::{MAX_BRACKETS, MAX_DEPTH};
 pub use parse::{MAX_ERRORS, MAX_TEXT, Parsed, is_incomplete, parse};
+
+#[cfg(test)]
+mod format_tests;
+#[cfg(test)]
+mod tests;

@@ -36,8 +36,8 @@ pub fn parse(source: SourceId, text: &str) -> Parsed {
 /// block that no empty line has ended. An interactive session then asks for another line.
 pub fn is_incomplete(text: &str) -> bool {
     let laid = layout(SourceId::default(), text);
-    let empty_lines = text.lines().rev().take_while(|l| l.trim().is_empty()).count()
-        + usize::from(text.ends_with('\n'));
+    let empty_lines =
+        text.lines().rev().take_while(|l| l.trim().is_empty()).count() + usize::from(text.ends_with('\n'));
     laid.incomplete && (empty_lines < 2 || laid.open_bracket) || laid.in_block && empty_lines == 0
 }
 
@@ -77,6 +77,13 @@ pub(super) fn read(source: SourceId, text: &str) -> Whole {
     };
     let mut errors = std::mem::take(&mut laid.errors);
     faults.sort_by_key(Fault::start);
+    for (start, end, error) in laid.blockless {
+        let faulty = |f: &Fault| (start..=end).contains(&f.start());
+        let first = faults.partition_point(|f| f.start() < start);
+        if !faults.get(first).is_some_and(faulty) {
+            errors.push(error);
+        }
+    }
     errors.extend(faults.into_iter().take(MAX_ERRORS).map(|f| error::explain(f, source, text, &laid.tokens)));
     errors.sort_by_key(|e| e.span().map_or(0, |s| s.start));
     errors.truncate(MAX_ERRORS);

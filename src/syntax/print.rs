@@ -10,9 +10,11 @@ const WIDTH: usize = 100;
 /// Prints a statement that starts at some column.
 pub struct Printer<'a> {
     text: &'a str,
-    /// The comments inside the statement.
-    comments: &'a [Comment],
-    /// Which of them are printed where they stand.
+    /// All comments inside the statement.
+    all: &'a [Comment],
+    /// Those that can stay where they are: before, after or between the elements of a `[ ]` or a call.
+    comments: Vec<Comment>,
+    /// Which of these are printed.
     placed: Vec<bool>,
     out: String,
     /// The column that the next character comes to.
@@ -39,13 +41,21 @@ pub fn column(text: &str, at: usize) -> usize {
 impl<'a> Printer<'a> {
     /// A printer for the statement that holds `comments`.
     pub fn new(text: &'a str, comments: &'a [Comment], indent: usize) -> Printer<'a> {
-        Printer { text, comments, placed: vec![false; comments.len()], out: String::new(), at: indent }
+        Printer {
+            text,
+            all: comments,
+            comments: Vec::new(),
+            placed: Vec::new(),
+            out: String::new(),
+            at: indent,
+        }
     }
 
     /// The statement, without its first indent, and the comments that found no place in it.
     pub fn finish(self) -> (String, Vec<Comment>) {
-        let left = self.comments.iter().zip(&self.placed).filter(|(_, placed)| !**placed);
-        (self.out, left.map(|(c, _)| *c).collect())
+        let mut stay = self.comments.iter().peekable();
+        let hoisted = self.all.iter().filter(|c| stay.next_if_eq(c).is_none()).copied().collect();
+        (self.out, hoisted)
     }
 
     /// Adds text that has no line break.
@@ -56,7 +66,39 @@ impl<'a> Printer<'a> {
 
     /// Adds an expression outside all brackets.
     pub fn expr(&mut self, e: &Expr) {
+        self.find_places(e);
+        self.placed.resize(self.comments.len(), false);
         self.print(e, Inside::Line, 0);
+    }
+
+    /// Collects the comments inside `e` that can stay, in order.
+    fn find_places(&mut self, e: &Expr) {
+        match &*e.kind {
+            ExprKind::Vector(elements) => self.find_between(elements, e.span),
+            ExprKind::Call(_, arguments) => self.find_between(arguments, e.span),
+            ExprKind::Group(a) | ExprKind::Member(a, _) | ExprKind::Unary(_, a) => self.find_places(a),
+            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) | ExprKind::Range(a, b) => {
+                self.find_places(a);
+                self.find_places(b);
+            }
+            ExprKind::Conditional(a, b, c) => [a, b, c].into_iter().for_each(|e| self.find_places(e)),
+            _ => {}
+        }
+    }
+
+    fn find_between<T: HasSpan>(&mut self, items: &[T], span: Span) {
+        let mut from = span.start;
+        for item in items {
+            self.find_in(from, item.span().start);
+            self.find_places(item.value());
+            from = item.span().end;
+        }
+        self.find_in(from, span.end);
+    }
+
+    fn find_in(&mut self, from: u32, to: u32) {
+        let first = self.all.partition_point(|c| c.start < from as usize);
+        self.comments.extend(self.all[first..].iter().take_while(|c| c.end <= to as usize));
     }
 
     /// Adds a function's header.
@@ -189,7 +231,11 @@ impl<'a> Printer<'a> {
                 let column = self.at;
                 self.print(c, inside, 2);
                 for (mark, part) in [("? ", a), (": ", b)] {
-                    if inside == Inside::Line { self.put(" ") } else { self.new_line(column + 2) }
+                    if inside == Inside::Line {
+                        self.put(" ")
+                    } else {
+                        self.new_line(column + 2)
+                    }
                     self.put(mark);
                     self.print(part, inside, after);
                 }
@@ -247,10 +293,13 @@ impl<'a> Printer<'a> {
         let rows = comments || items.iter().any(HasSpan::is_row);
         let mut open_comment = false;
         for (i, item) in items.iter().enumerate() {
-            let own = self.take_comments(if i == 0 { span.start } else { items[i - 1].span().end }, item.span().start);
+            let own = self
+                .take_comments(if i == 0 { span.start } else { items[i - 1].span().end }, item.span().start);
             for comment in own {
                 if i > 0 || open_comment {
                     self.new_line(column);
+                } else {
+                    self.put("  ");
                 }
                 self.comment(comment);
                 open_comment = true;
@@ -279,6 +328,8 @@ impl<'a> Printer<'a> {
         for comment in self.take_comments(from, span.end) {
             if !items.is_empty() || open_comment {
                 self.new_line(column);
+            } else {
+                self.put("  ");
             }
             self.comment(comment);
             open_comment = true;
