@@ -57,12 +57,12 @@ fn comments_inside_brackets() {
 #[test]
 fn long_lines_break_inside_brackets() {
     let row = "[0.125 0.25 0.5]";
-    let text = format!("centers = [{}]\n", vec![row; 12].join(" "));
-    let wanted = format!("centers = [{}]\n", vec![row; 12].join("\n           "));
+    let text = format!("centers = [{}]\n", [row; 12].join(" "));
+    let wanted = format!("centers = [{}]\n", [row; 12].join("\n           "));
     assert_eq!(formatted(&text), wanted);
-    let text = format!("a = f({})\n", vec!["some_name * other_name"; 12].join(","));
+    let text = format!("a = f({})\n", ["some_name * other_name"; 12].join(","));
     assert!(formatted(&text).lines().all(|l| l.chars().count() <= 100));
-    let text = format!("a = ({})\n", vec!["some_name * other_name"; 12].join(" + "));
+    let text = format!("a = ({})\n", ["some_name * other_name"; 12].join(" + "));
     assert!(formatted(&text).lines().all(|l| l.chars().count() <= 100));
 }
 

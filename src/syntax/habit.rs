@@ -32,6 +32,8 @@ pub struct Place {
     pub first: bool,
     /// The token before it on the line ends an operand.
     pub after_operand: bool,
+    /// The token before it is the `.` of a member.
+    pub after_dot: bool,
     /// The next token, blanks skipped.
     pub next: Option<Token>,
     /// No bracket is open.
@@ -130,7 +132,7 @@ pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
         ),
         Token::BadNumber => Some(bad_number(text)),
         Token::Unknown => Some(unknown(text, place)),
-        Token::Name => word(text, place),
+        Token::Name if !place.after_dot => word(text, place),
         Token::Colon if place.header && place.last() && place.outside => habit(
             "no colon before a block",
             "Leave the `:` out; the indented lines below are the block.",

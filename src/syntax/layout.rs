@@ -241,10 +241,11 @@ impl<'a> Blocks<'a> {
             let mut error =
                 Diagnostic::error("syntax", format!("`{word}` has no block"), reader.span(start, end));
             let first = next.and_then(|n| n.tokens.first());
-            if let Some(&(start, first, end)) = first.filter(|t| t.1 != Token::Else) {
-                if first != token {
-                    error = error.label(reader.span(start, end), "this line is not indented");
-                }
+            if let Some(&(start, first, end)) = first
+                && first != token
+                && first != Token::Else
+            {
+                error = error.label(reader.span(start, end), "this line is not indented");
             }
             let error = error.hint("Indent the lines that belong to it, by four blanks.");
             reader.blockless.push((start, self.out.last().map_or(end, |t| t.2), error));

@@ -260,6 +260,7 @@ impl<'a> Reader<'a> {
         let place = Place {
             first: state.line.tokens.is_empty(),
             after_operand: state.last().is_some_and(|t| t.1.ends_operand()),
+            after_dot: state.last().is_some_and(|t| t.1 == Token::Dot),
             next: self.raw[self.next..].iter().map(|l| l.token).find(|t| *t != Token::Blank),
             outside: state.frames.len() == 1,
             in_for: state.line.tokens.first().is_some_and(|t| t.1 == Token::For),
@@ -311,65 +312,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// One error for each kind of habit, which names all its places.
-    fn report_habit(&mut self, lexeme: Lexeme, found: &habit::Habit) {
-        let end = if lexeme.token == Token::SlashStar { lexeme.start + 2 } else { lexeme.end };
-        let span = self.span(lexeme.start, end);
-        if let Some((_, error)) = self.habits.iter().find(|(m, _)| *m == found.message) {
-            let error = &mut self.errors[*error];
-            if error.labels.len() < 5 {
-                error.labels.push(crate::diagnostic::Label { span, text: "and here".into() });
-            }
-            return;
-        }
-        if self.habits.len() < 100 {
-            self.habits.push((found.message.clone(), self.errors.len()));
-        }
-        self.errors.push(
-            Diagnostic::error("syntax", found.message.clone(), span)
-                .label(span, found.label)
-                .hint(found.hint.clone()),
-        );
-    }
-
     /// Skips what is left of the line, as a comment would be; drops the operator that was put for it.
     fn skip_line(&mut self, state: &mut State) {
         state.line.tokens.pop();
         while self.raw.get(self.next).is_some_and(|t| t.token != Token::Newline) {
             self.next += 1;
-        }
-    }
-
-    fn check_number(&mut self, lexeme: Lexeme) {
-        let text = &self.text[lexeme.start..lexeme.end];
-        if text.parse::<f32>().is_ok_and(f32::is_infinite) {
-            self.errors.push(
-                Diagnostic::error(
-                    "syntax",
-                    format!("`{text}` is too large"),
-                    self.span(lexeme.start, lexeme.end),
-                )
-                .hint("The largest number is about 3.4e38; for infinity write 1/0."),
-            );
-        }
-    }
-
-    fn check_escapes(&mut self, lexeme: Lexeme) {
-        let text = &self.text[lexeme.start..lexeme.end];
-        let mut chars = text.char_indices();
-        while let Some((at, c)) = chars.next() {
-            let Some((_, escaped)) = (if c == '\\' { chars.next() } else { None }) else { continue };
-            if !matches!(escaped, '"' | '\\' | 'n' | 't') {
-                let start = lexeme.start + at;
-                self.errors.push(
-                    Diagnostic::error(
-                        "syntax",
-                        format!("`\\{escaped}` means nothing in a string"),
-                        self.span(start, start + 1 + escaped.len_utf8()),
-                    )
-                    .hint("For a backslash write `\\\\`; a path may be written with `/`."),
-                );
-            }
         }
     }
 

@@ -11,6 +11,7 @@ mod actions;
 pub mod ast;
 mod dump;
 mod error;
+mod flat;
 mod format;
 mod habit;
 mod layout;
@@ -18,6 +19,7 @@ mod line;
 mod parse;
 mod print;
 mod token;
+mod word;
 
 pub use dump::tree;
 pub use format::format;

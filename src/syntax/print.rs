@@ -1,6 +1,7 @@
 //! Prints one statement: on one line if it fits, else broken inside its brackets.
 
 use super::ast::*;
+use super::flat::{Inside, flat};
 use super::layout::Comment;
 use crate::diagnostic::Span;
 
@@ -19,17 +20,6 @@ pub struct Printer<'a> {
     out: String,
     /// The column that the next character comes to.
     at: usize,
-}
-
-/// Where an expression stands.
-#[derive(Clone, Copy, PartialEq)]
-enum Inside {
-    /// Outside all brackets: the line cannot break at an operator.
-    Line,
-    /// The innermost bracket is `(`.
-    Round,
-    /// The innermost bracket is `[`, where blanks separate.
-    Square,
 }
 
 /// The column, from 0, of a byte of the text.
@@ -111,7 +101,7 @@ impl<'a> Printer<'a> {
             let mut item = name.text.clone();
             if let Some(default) = default {
                 item += " = ";
-                item += &self.flat(default, Inside::Round);
+                item += &flat(self.text, default, Inside::Round);
             }
             let width = item.chars().count() + 1;
             if i > 0 {
@@ -131,7 +121,7 @@ impl<'a> Printer<'a> {
                 for access in &target.path {
                     match access {
                         Access::Index(i) => {
-                            let index = self.flat(i, Inside::Square);
+                            let index = flat(self.text, i, Inside::Square);
                             self.put(&format!("[{index}]"));
                         }
                         Access::Member(name) => self.put(&format!(".{}", name.text)),
@@ -183,7 +173,7 @@ impl<'a> Printer<'a> {
     /// Prints `e`, after which `after` more columns are needed.
     fn print(&mut self, e: &Expr, inside: Inside, after: usize) {
         if !self.has_comment(e.span) {
-            let flat = self.flat(e, inside);
+            let flat = flat(self.text, e, inside);
             if self.at + flat.chars().count() + after <= WIDTH || !breakable(e, inside) {
                 return self.put(&flat);
             }
@@ -246,7 +236,7 @@ impl<'a> Printer<'a> {
                 self.print(b, inside, after);
             }
             _ => {
-                let flat = self.flat(e, inside);
+                let flat = flat(self.text, e, inside);
                 self.put(&flat);
             }
         }
@@ -341,7 +331,7 @@ impl<'a> Printer<'a> {
 
     fn flat_item<T: HasSpan>(&self, item: &T, inside: Inside) -> usize {
         let name = item.label().map_or(0, |n| n.chars().count() + 3);
-        name + self.flat(item.value(), inside).chars().count()
+        name + flat(self.text, item.value(), inside).chars().count()
     }
 
     fn comment(&mut self, comment: Comment) {
@@ -370,86 +360,6 @@ impl<'a> Printer<'a> {
         }
         self.placed[i] = true;
         Some(comment)
-    }
-
-    /// `e` on one line.
-    fn flat(&self, e: &Expr, inside: Inside) -> String {
-        let mut out = String::new();
-        self.flat_into(e, inside, &mut out);
-        out
-    }
-
-    fn flat_into(&self, e: &Expr, inside: Inside, out: &mut String) {
-        match &*e.kind {
-            ExprKind::Number(_) | ExprKind::Text(_) => out.push_str(self.written(e.span)),
-            ExprKind::Name(name) => out.push_str(name),
-            ExprKind::Member(v, name) => {
-                self.flat_into(v, inside, out);
-                out.push('.');
-                out.push_str(&name.text);
-            }
-            ExprKind::Index(v, i) => {
-                self.flat_into(v, inside, out);
-                out.push('[');
-                self.flat_into(i, Inside::Square, out);
-                out.push(']');
-            }
-            ExprKind::Call(name, arguments) => {
-                out.push_str(&name.text);
-                out.push('(');
-                for (i, argument) in arguments.iter().enumerate() {
-                    if i > 0 {
-                        out.push_str(", ");
-                    }
-                    if let Some(name) = &argument.name {
-                        out.push_str(&name.text);
-                        out.push_str(" = ");
-                    }
-                    self.flat_into(&argument.value, Inside::Round, out);
-                }
-                out.push(')');
-            }
-            ExprKind::Unary(op, e) => {
-                out.push_str(op.symbol());
-                self.flat_into(e, inside, out);
-            }
-            ExprKind::Binary(op, a, b) => {
-                self.flat_into(a, inside, out);
-                let blank = if inside == Inside::Square { "" } else { " " };
-                out.push_str(blank);
-                out.push_str(op.symbol());
-                out.push_str(blank);
-                self.flat_into(b, inside, out);
-            }
-            ExprKind::Conditional(c, a, b) => {
-                self.flat_into(c, inside, out);
-                out.push_str(" ? ");
-                self.flat_into(a, inside, out);
-                out.push_str(" : ");
-                self.flat_into(b, inside, out);
-            }
-            ExprKind::Vector(elements) => {
-                out.push('[');
-                for (i, e) in elements.iter().enumerate() {
-                    if i > 0 {
-                        out.push(' ');
-                    }
-                    self.flat_into(e, Inside::Square, out);
-                }
-                out.push(']');
-            }
-            ExprKind::Range(a, b) => {
-                self.flat_into(a, inside, out);
-                out.push_str(" .. ");
-                self.flat_into(b, inside, out);
-            }
-            ExprKind::Group(e) => {
-                out.push('(');
-                self.flat_into(e, Inside::Round, out);
-                out.push(')');
-            }
-            ExprKind::Error => {}
-        }
     }
 }
 
