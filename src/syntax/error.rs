@@ -332,6 +332,12 @@ impl<'a> Scene<'a> {
             return answer;
         }
         match (before.1, self.found, here) {
+            (_, Token::Number, Some(number)) if number.0 == before.2 => {
+                answer.hints.push(format!("The first component is `{word}[1]`, or `{word}.x`."));
+            }
+            (_, Token::Comma, _) => {
+                answer.hints.push("A vector is written in `[ ]`: `[1 2]`.".to_string());
+            }
             (_, Token::Number | Token::Name | Token::Text | Token::OpenSquare, _)
                 if self.open().is_some_and(|t| t.1 == Token::OpenParen) && self.expects(",") =>
             {
@@ -374,6 +380,9 @@ impl<'a> Scene<'a> {
             }
             (Token::Assign, Token::EndOfLine) => {
                 answer.message = "the value is missing after `=`".to_string();
+            }
+            (Token::OpenParen | Token::OpenSquare, Token::Comma) => {
+                answer.hints = vec!["Delete the `,`, or put something before it.".to_string()];
             }
             (Token::Comma, Token::Comma) => {
                 answer.message = "something is missing between these commas".to_string();

@@ -184,20 +184,27 @@ impl<'a> Blocks<'a> {
         }
         // A fault: take the level that looks nearest, and remember the text as another name for it.
         let shown = |level: &Level| width(level.indent).abs_diff(width(indent));
-        let nearest = (0..self.levels.len()).rev().min_by_key(|&i| shown(&self.levels[i])).unwrap_or(0);
+        // An `else` belongs to a line around the block that it ends.
+        let is_else = line.tokens.first().is_some_and(|t| t.1 == Token::Else);
+        let open = if is_else { self.levels.len().max(2) - 1 } else { self.levels.len() };
+        let nearest = (0..open).rev().min_by_key(|&i| shown(&self.levels[i])).unwrap_or(0);
         if self.top().indent.starts_with(indent) {
             let mut error =
                 Diagnostic::error("syntax", "the indent of this line fits no block", reader.span(start, at))
                     .label(reader.span(start, at), format!("{} here", blanks(indent)));
-            for level in self.levels.iter().rev().take(2).rev() {
-                let text = match level.indent {
-                    "" => "an outer line: no indent".to_string(),
-                    indent => format!("a line of a block: {}", blanks(indent)),
-                };
-                let span = reader.span(level.start, level.start + level.indent.len());
-                error = error.label(span, text);
+            let top = self.top();
+            if !top.indent.is_empty() {
+                let span = reader.span(top.start, top.start + top.indent.len());
+                error = error.label(span, format!("{} in the block above", blanks(top.indent)));
             }
-            reader.errors.push(error.hint("Give all lines of one block the same indent."));
+            let inner = self.levels.iter().find(|l| l.indent.len() > indent.len()).unwrap_or(top);
+            let outer = self.levels.iter().rfind(|l| l.indent.len() < indent.len()).unwrap_or(top);
+            let hint = format!(
+                "All lines of a block have the same indent: here {} for the block, or {} for the lines around it.",
+                blanks(inner.indent),
+                blanks(outer.indent),
+            );
+            reader.errors.push(error.hint(hint));
         } else {
             let top = self.top();
             reader.errors.push(

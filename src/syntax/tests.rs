@@ -142,6 +142,7 @@ fn one_message_a_fault() {
         ("if a\n    b = 1\n  c = 2\n  d = 3\ne = 4", 1),
         ("if a\n    b = 1\n   c = 2\n    d = 3\n   e = 4", 1),
         ("if\n    b = 1", 1),
+        ("if a\n    b = 1\n  else\n    c = 1", 1),
         ("if a: b = 1\nc = 2", 1),
         ("a = b +\n    c\nd = 1", 1),
         ("x = a && (b\n    || c) d", 1),
