@@ -252,7 +252,9 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
             ));
         }
         if ids.samples == Samples::Uint && ids.max >= 16_777_216.0 {
-            notes.push("Some ids of `surface` are above 2^24, where a 32-bit float has no odd numbers.".into());
+            notes.push(
+                "Some ids of `surface` are above 2^24, where a 32-bit float has no odd numbers.".into(),
+            );
         }
         if ids.zero > 0 {
             notes.push(format!("`surface` is 0 at {} pixels: probably the background.", ids.zero));
@@ -343,7 +345,8 @@ impl fmt::Display for Info {
             }
             writeln!(f, "{}", if part.deep { ", deep" } else { "" })?;
         }
-        let mut rows = vec![["channel", "type", "min", "max", "mean", "NaN", "inf", "variable"].map(String::from)];
+        let mut rows =
+            vec![["channel", "type", "min", "max", "mean", "NaN", "inf", "variable"].map(String::from)];
         for c in &self.channels {
             let kind = match c.samples {
                 Samples::Half => "half",

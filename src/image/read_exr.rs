@@ -345,9 +345,7 @@ fn union(name: &str, meta: &MetaData, length: u64) -> Result<(i64, i64, usize, u
         let one = [i64::from(x), i64::from(y), i64::from(x) + w as i64, i64::from(y) + h as i64];
         whole = Some(match whole {
             None => one,
-            Some(a) => {
-                [a[0].min(one[0]), a[1].min(one[1]), a[2].max(one[2]), a[3].max(one[3])]
-            }
+            Some(a) => [a[0].min(one[0]), a[1].min(one[1]), a[2].max(one[2]), a[3].max(one[3])],
         });
     }
     let [left, top, right, bottom] = whole.unwrap_or_default();
@@ -384,7 +382,9 @@ fn explain(name: &str, error: exr::error::Error) -> ImageError {
         exr::error::Error::NotSupported(what) => {
             ImageError::new(ErrorKind::Unsupported, format!("`{name}` cannot be read: {what}"))
         }
-        exr::error::Error::Invalid(what) if what.contains("reference to") => ImageError::damaged(name, "it ends too early"),
+        exr::error::Error::Invalid(what) if what.contains("reference to") => {
+            ImageError::damaged(name, "it ends too early")
+        }
         other => ImageError::damaged(name, other),
     }
 }
