@@ -116,8 +116,7 @@ pub(crate) fn bind(file: &str, channels: &[String], maps: &[Mapping]) -> Result<
     let mut bindings: Vec<Binding> = bindings
         .into_iter()
         .map(|(mut binding, rank, index)| {
-            let rest = binding.candidates.len() > 1 && rank.0 == OWN && canonical.contains(&index);
-            binding.alias = rank.0 == OWN && canonical.contains(&index) || rest;
+            binding.alias = rank.0 == OWN && canonical.contains(&index);
             binding
         })
         .collect();

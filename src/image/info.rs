@@ -246,10 +246,8 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     let surface = of("surface");
     if let Some(ids) = surface {
         if ids.fractional > 0 {
-            notes.push(format!(
-                "{} pixels of `surface` are no whole numbers: a pixel filter has mixed ids there.",
-                ids.fractional
-            ));
+            let at = pixels(ids.fractional);
+            notes.push(format!("`surface` is no whole number at {at}: a pixel filter has mixed ids there."));
         }
         if ids.samples == Samples::Uint && ids.max >= 16_777_216.0 {
             notes.push(
@@ -257,7 +255,7 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
             );
         }
         if ids.zero > 0 {
-            notes.push(format!("`surface` is 0 at {} pixels: probably the background.", ids.zero));
+            notes.push(format!("`surface` is 0 at {}: probably the background.", pixels(ids.zero)));
         }
     } else if let Some(depth) = of("depth")
         && (depth.infinite > 0 || depth.max >= 1e9)
@@ -278,6 +276,10 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     if !bad.is_empty() {
         notes.push(format!("Not all numbers are finite in {}.", bad.join(", ")));
     }
+}
+
+fn pixels(count: u64) -> String {
+    format!("{count} {}", if count == 1 { "pixel" } else { "pixels" })
 }
 
 /// An attribute's value for people, cut if it is long.

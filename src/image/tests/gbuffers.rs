@@ -39,9 +39,11 @@ fn ids(image: &Image<'_>) -> [usize; 5] {
 fn agree(path: &Path, image: &Image<'_>, exact: &Image<'_>) {
     let name = path.file_name().unwrap().to_string_lossy();
     let point = match () {
-        _ if name.contains("dwaa") => 0.03,
+        // The cut-out was compressed with loss a second time.
+        _ if name.contains("dwaa") => 0.04,
         _ if name.contains("allhalf") => 0.0011,
-        _ => 1e-5,
+        // Two versions of the renderer, whose arithmetic differs in the last bits.
+        _ => 1e-4,
     };
     let filtered = name.contains("filtered") || name.contains("antialiased");
     let overscan = if name.contains("overscan") { [20, 10] } else { [0, 0] };

@@ -62,7 +62,7 @@ fn every_compression_and_tiling() {
                 FlatSamples::F16((0..37 * 41).map(|i| half::f16::from_f32(i as f32 / 64.0)).collect());
             let image = open(exr_bytes(vec![one], (37, 41))).load(&["surface", "point"]).unwrap();
             let close = |got: f32, want: f32| {
-                if exact { got == want } else { (got - want).abs() < 0.05 * want + 0.01 }
+                if exact { got == want } else { (got - want).abs() < 0.05 * want + 0.1 }
             };
             for i in 0..37 * 41 {
                 assert_eq!(image.variables[0].planes[0][i], i as f32, "{compression:?} {blocks:?}");
@@ -86,7 +86,7 @@ fn info_tells_ranges_and_names() {
     assert_eq!((x.min, x.max, x.mean, x.nan, x.infinite), (-1.0, 3.0, 1.0, 1, 1));
     assert_eq!(x.variables, ["point.x", "(Position.x)"]);
     let text = about.to_string();
-    assert!(text.contains("note: 1 pixels of `surface` are no whole numbers"), "{text}");
+    assert!(text.contains("note: `surface` is no whole number at 1 pixel"), "{text}");
     assert!(text.contains("L.Position.Y is not exact"), "{text}");
-    assert!(text.contains("`surface` is 0 at 1 pixels"), "{text}");
+    assert!(text.contains("`surface` is 0 at 1 pixel"), "{text}");
 }

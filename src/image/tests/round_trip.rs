@@ -233,7 +233,7 @@ fn float_pictures_are_linear() {
     let back =
         read_back("a.tif", Format::Tiff, &image, &WriteOptions { bits: Some(32), ..Default::default() });
     assert_eq!(bits(&back, "color"), bits(&image, "color"));
-    image.variables[0].planes[0] = plane(&vec![f32::NAN; 30]);
+    image.variables[0].planes[0] = plane(&[f32::NAN; 30]);
     let back = read_back("a.hdr", Format::Hdr, &image, &WriteOptions::default());
     for (got, want) in back.variables[0].planes[2].iter().zip(image.variables[0].planes[2].iter()) {
         assert!((got - want).abs() <= want / 100.0, "{got} is not {want}");
