@@ -16,9 +16,10 @@ fn step(edge: f32, x: f32) -> f32 {
 /// How far x has come from a to b, from 0 to 1; where both are one point, a step there.
 #[inline(always)]
 fn ramp(a: f32, b: f32, x: f32) -> f32 {
-    let t = (x - a) / (b - a);
-    // (x - a) / 0 is an infinity of the right sign already, but NaN at the edge itself.
-    let t = if x == a && a == b { 1.0 } else { t };
+    let sloping = (x - a) / (b - a);
+    // Divided by zero it would be right or not by the sign of that zero. NaN stays NaN.
+    let steep = if x >= a { 1.0 } else { clamp(x, 0.0, 0.0) };
+    let t = if a == b { steep } else { sloping };
     clamp(t, 0.0, 1.0)
 }
 
