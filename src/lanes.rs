@@ -137,14 +137,7 @@ pub fn map2<F: Fn(f32, f32) -> f32 + Copy>(isa: Isa, a: Arg, b: Arg, out: &mut [
 /// # Panics
 /// If the lengths differ.
 #[inline]
-pub fn map3<F: Fn(f32, f32, f32) -> f32 + Copy>(
-    isa: Isa,
-    a: Arg,
-    b: Arg,
-    c: Arg,
-    out: &mut [f32],
-    f: F,
-) {
+pub fn map3<F: Fn(f32, f32, f32) -> f32 + Copy>(isa: Isa, a: Arg, b: Arg, c: Arg, out: &mut [f32], f: F) {
     use Arg::{Uniform, Varying};
     match (a, b, c) {
         (Uniform(a), b, c) => map2(isa, b, c, out, move |y, z| f(a, y, z)),

@@ -126,15 +126,15 @@ pub fn pow(x: f32, y: f32) -> f32 {
     let exponent = if exponent < -200.0 { -200.0 } else { exponent };
     let exponent = if exponent > 200.0 { 200.0 } else { exponent };
     let power = exp2_f64(exponent) as f32;
-    let power = if size == 1.0 && !y.is_nan() { 1.0 } else { power };
+    let power = if (size == 1.0) & !y.is_nan() { 1.0 } else { power };
 
     // Give it the sign of an odd power, or none to a power that is no integer.
     let integer = y.trunc() == y;
     let half = y * 0.5;
-    let odd = integer && half.trunc() != half;
-    let power = if odd && x.is_sign_negative() { -power } else { power };
-    let power = if !integer && x < 0.0 && x > f32::NEG_INFINITY { f32::NAN } else { power };
-    if y == 0.0 || x == 1.0 { 1.0 } else { power }
+    let odd = integer & (half.trunc() != half);
+    let power = if odd & x.is_sign_negative() { -power } else { power };
+    let power = if !integer & (x < 0.0) & (x > f32::NEG_INFINITY) { f32::NAN } else { power };
+    if (y == 0.0) | (x == 1.0) { 1.0 } else { power }
 }
 
 /// The square root, rounded correctly; NaN below zero.
@@ -148,5 +148,5 @@ pub fn sqrt(x: f32) -> f32 {
 pub fn hypot(x: f32, y: f32) -> f32 {
     let (a, b) = (f64::from(x), f64::from(y));
     let root = (a * a + b * b).sqrt() as f32;
-    if x.is_infinite() || y.is_infinite() { f32::INFINITY } else { root }
+    if x.is_infinite() | y.is_infinite() { f32::INFINITY } else { root }
 }

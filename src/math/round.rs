@@ -78,8 +78,8 @@ pub(super) fn modulo_far(a: f32, b: f32) -> f32 {
 fn finish_modulo(a: f32, b: f32, rest: f32) -> f32 {
     let below = f32::from_bits(b.to_bits().wrapping_sub(1));
     let rest = if rest.abs() >= b.abs() { below } else { rest };
-    let by_infinity = if a * b >= 0.0 || a == 0.0 { a } else { b };
-    let rest = if b.is_infinite() && a.is_finite() { by_infinity } else { rest };
+    let by_infinity = if (a * b >= 0.0) | (a == 0.0) { a } else { b };
+    let rest = if b.is_infinite() & a.is_finite() { by_infinity } else { rest };
     if rest == 0.0 { 0.0_f32.copysign(b) } else { rest }
 }
 

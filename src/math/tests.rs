@@ -80,7 +80,11 @@ fn ulps(got: f32, truth: f64) -> f64 {
     }
     if got == nearest {
         // Half an ulp or less; only the sign of zero can still be wrong.
-        return if got == 0.0 && got.is_sign_negative() != nearest.is_sign_negative() { 9.0 } else { 0.5_f64.min(err(got, truth)) };
+        return if got == 0.0 && got.is_sign_negative() != nearest.is_sign_negative() {
+            9.0
+        } else {
+            0.5_f64.min(err(got, truth))
+        };
     }
     err(got, truth)
 }
@@ -165,11 +169,7 @@ fn every_instruction_set_and_length_gives_the_bits_of_one_lane() {
 /// The remainder as Python has it, in f64.
 fn python_modulo(a: f64, b: f64) -> f64 {
     let rest = libm::fmod(a, b);
-    if rest != 0.0 {
-        if (b < 0.0) != (rest < 0.0) { rest + b } else { rest }
-    } else {
-        0.0_f64.copysign(b)
-    }
+    if rest != 0.0 { if (b < 0.0) != (rest < 0.0) { rest + b } else { rest } } else { 0.0_f64.copysign(b) }
 }
 
 #[test]
@@ -180,7 +180,10 @@ fn modulo_is_pythons_and_below_its_divisor() {
     for (a, b) in awkward.iter().flat_map(|&a| awkward.iter().map(move |&b| (a, b))).chain(pairs) {
         let (got, truth) = (modulo(a, b), python_modulo(f64::from(a), f64::from(b)));
         if a.is_finite() && b.is_finite() && b != 0.0 {
-            assert!(got.abs() < b.abs() && got.is_sign_negative() == b.is_sign_negative(), "{a:e} {b:e} {got:e}");
+            assert!(
+                got.abs() < b.abs() && got.is_sign_negative() == b.is_sign_negative(),
+                "{a:e} {b:e} {got:e}"
+            );
         }
         if got.abs() < b.abs() && truth.abs() as f32 >= b.abs() {
             continue; // kept below
@@ -198,7 +201,10 @@ fn special_values() {
     assert!(sin(inf).is_nan() && cos(-inf).is_nan() && log(-1.0).is_nan() && sqrt(-1.0).is_nan());
     assert_eq!((log(0.0), log(-0.0), log(inf), log10(1000.0), log2(8.0)), (-inf, -inf, inf, 3.0, 3.0));
     assert_eq!((exp(0.0), exp(100.0), exp(-200.0), exp2(10.0), exp2(-149.0)), (1.0, inf, 0.0, 1024.0, 1e-45));
-    assert_eq!((pow(f32::NAN, 0.0), pow(1.0, f32::NAN), pow(-1.0, inf), pow(-2.0, 3.0)), (1.0, 1.0, 1.0, -8.0));
+    assert_eq!(
+        (pow(f32::NAN, 0.0), pow(1.0, f32::NAN), pow(-1.0, inf), pow(-2.0, 3.0)),
+        (1.0, 1.0, 1.0, -8.0)
+    );
     assert!(pow(-8.0, 1.0 / 3.0).is_nan() && pow(-1.0, f32::NAN).is_nan());
     assert_eq!((pow(-0.0, -3.0), pow(-0.0, -2.0), pow(-inf, 0.5), pow(3.0, 2.0)), (-inf, inf, inf, 9.0));
     assert_eq!((round(0.5), round(-0.5), round(2.5), round(0.49999997)), (1.0, -1.0, 3.0, 0.0));

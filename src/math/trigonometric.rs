@@ -137,7 +137,7 @@ fn angle(y: f64, x: f64) -> f64 {
     let below = if fold { small + large } else { large };
     let below = if large == 0.0 { 1.0 } else { below };
     // Two infinities do not fold, inf > inf being false: they are put at π/4 with all equals.
-    let fold = fold || (small == large && large > 0.0);
+    let fold = fold | ((small == large) & (large > 0.0));
     let t = above / below;
     let a = t * (1.0 + t * t * polynomial(t * t, P));
 
@@ -146,7 +146,7 @@ fn angle(y: f64, x: f64) -> f64 {
     let a = if steep { FRAC_PI_2 - a } else { a };
     let a = if x.is_sign_negative() { PI - a } else { a };
     let a = a.copysign(y);
-    if x.is_nan() || y.is_nan() { f64::NAN } else { a }
+    if x.is_nan() | y.is_nan() { f64::NAN } else { a }
 }
 
 /// The angle of the point (x, y), -π … π, with the sign of y, as IEEE 754 has it for zeros and infinities.
