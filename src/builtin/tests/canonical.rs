@@ -147,8 +147,8 @@ const LINES: &[Line] = &[
         64.0,
     ),
     near_one("pulse", Three(|a, b, x| step(a, x) - step(b, x)), 0.0),
-    near_one("mix", Three(|a, b, t| a * (1.0 - t) + b * t), 8.0),
-    near_one("lerp", Three(|a, b, t| a * (1.0 - t) + b * t), 8.0),
+    near_one("mix", Three(|a, b, t| a * (1.0 - t) + b * t), 64.0),
+    near_one("lerp", Three(|a, b, t| a * (1.0 - t) + b * t), 64.0),
 ];
 
 /// Functions whose value hangs on the last bits of their arguments are tested beside their definition, in `crate::math`.
