@@ -141,7 +141,7 @@ impl<'r> Machine<'r> {
             Picked::One(i) => self.stored_at(current, i, rest, name, new, mask, alone),
             Picked::Lanes(which) => {
                 let first = which[self.first(mask)];
-                let (n, width) = (self.n, self.width());
+                let n = self.n;
                 let here = |i: u32| {
                     let (chosen, _) = mask.split(
                         &Plane::filled(n, |out| {
