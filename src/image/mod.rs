@@ -1,4 +1,34 @@
 //! Images: named variables over a 2-D array of pixels; reading and writing them.
+//!
+//! [`read`] looks at a file's header and decides which channels are which variables ([`names`], [`bind`]);
+//! [`File::load`] then decodes only those that a program uses. [`write()`] makes files. Colours are linear
+//! in memory, and premultiplied by `alpha` where there is one, as OpenEXR files hold them.
+
+mod atomic;
+mod bind;
+pub mod color;
+mod error;
+mod file;
+mod guard;
+mod info;
+mod names;
+mod read_exr;
+mod read_raster;
+mod source;
+mod write;
+mod write_exr;
+mod write_raster;
+
+#[cfg(test)]
+mod tests;
+
+pub use atomic::{same_file, write_file};
+pub use bind::{Binding, Candidate, Mapping};
+pub use error::{ErrorKind, ImageError};
+pub use file::{Channel, File, ReadOptions, Samples, read};
+pub use info::{ChannelInfo, Info, PartInfo, info};
+pub use source::Input;
+pub use write::{Compression, Format, WriteOptions, encode, write};
 
 mod build;
 
@@ -32,12 +62,45 @@ pub struct Variable<'a> {
 }
 
 /// What a file's header says beside its channels.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Metadata {
     /// Where the first held pixel lies, from the top left of the display window; may be negative.
     pub origin: [i32; 2],
     /// Columns and rows of the display window; `None` where it is the held pixels.
     pub resolution: Option<[usize; 2]>,
+    /// Where the file puts the display window's top left; nearly always `[0, 0]`, and of no effect
+    /// but that an EXR file written with this metadata has it again.
+    pub display_origin: [i32; 2],
+    /// The width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// The other header attributes of an EXR file (frame rate, camera matrices, owner, …), for the
+    /// files made from this image.
+    pub attributes: Attributes,
+}
+
+impl Default for Metadata {
+    fn default() -> Metadata {
+        Metadata {
+            origin: [0, 0],
+            resolution: None,
+            display_origin: [0, 0],
+            pixel_aspect: 1.0,
+            attributes: Attributes::default(),
+        }
+    }
+}
+
+/// EXR header attributes that pass through from an input to an output, sorted by name.
+#[derive(Clone, Debug, Default)]
+pub struct Attributes {
+    pub(crate) list: Vec<(String, exr::meta::attribute::AttributeValue)>,
+}
+
+impl Attributes {
+    /// Names and values as text, for people.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, String)> {
+        self.list.iter().map(|(name, value)| (name.as_str(), info::attribute_text(value)))
+    }
 }
 
 impl Image<'_> {

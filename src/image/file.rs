@@ -1,0 +1,203 @@
+//! A file that can be read: its header first, then the variables that are asked for.
+
+use super::bind::{self, Binding, Candidate, Mapping};
+use super::error::{ErrorKind, ImageError};
+use super::read_exr::{self, Exr};
+use super::read_raster::Raster;
+use super::source::Input;
+use super::{Image, Metadata, Variable, guard};
+use std::borrow::Cow;
+use std::io::Read;
+
+/// How to read.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// The user's `--map`s.
+    pub maps: Vec<Mapping>,
+    /// Take the numbers of PNG, JPEG and the like as they are stored, 0..1, with no sRGB decoding and
+    /// no premultiplication: for normals, masks and other data. EXR files hold numbers anyway.
+    pub raw: bool,
+}
+
+/// How a channel is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// 16-bit floats.
+    Half,
+    /// 32-bit floats.
+    Float,
+    /// 32-bit unsigned integers.
+    Uint,
+    /// 8-bit codes.
+    Byte,
+    /// 16-bit codes.
+    Short,
+}
+
+/// A channel of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Channel {
+    /// The full name: of the layer (the part's name too, where that carries it) and the component.
+    pub name: String,
+    /// Which part of the file holds it.
+    pub part: usize,
+    /// Its place in that part.
+    pub index: usize,
+    /// How it is stored.
+    pub samples: Samples,
+}
+
+/// A file whose header has been read. Pixels are decoded by [`File::load`].
+pub struct File {
+    pub(crate) input: Input,
+    pub(crate) source: Source,
+    pub(crate) channels: Vec<Channel>,
+    bindings: Vec<Binding>,
+    metadata: Metadata,
+    size: [usize; 2],
+}
+
+pub(crate) enum Source {
+    Exr(Box<Exr>),
+    Raster(Raster),
+}
+
+/// Reads the header of an image, of any format that is read, recognised by content.
+///
+/// # Errors
+/// If the file cannot be read, is damaged, is of an unknown format, or a mapping does not fit it.
+pub fn read(input: Input, options: &ReadOptions) -> Result<File, ImageError> {
+    let input = input.seekable()?;
+    let name = input.name();
+    let mut magic = Vec::new();
+    let (reader, _) = input.open()?;
+    reader.take(16).read_to_end(&mut magic).map_err(|e| ImageError::io("read", &name, &e))?;
+    if magic.is_empty() {
+        return Err(ImageError::damaged(&name, "it is empty"));
+    }
+    let (channels, metadata, size, source) = if magic.starts_with(&read_exr::MAGIC) {
+        let exr = Exr::open(&input)?;
+        let size = [exr.window.2, exr.window.3];
+        (exr.channels(), exr.metadata(), size, Source::Exr(Box::new(exr)))
+    } else {
+        let raster = Raster::open(&input, options.raw)?;
+        (raster.channels(), Metadata::default(), raster.size, Source::Raster(raster))
+    };
+    if channels.is_empty() {
+        return Err(ImageError::damaged(&name, "it has no channels"));
+    }
+    let names: Vec<String> = channels.iter().map(|c| c.name.clone()).collect();
+    let bindings = bind::bind(&name, &names, &options.maps)?;
+    Ok(File { input, source, channels, bindings, metadata, size })
+}
+
+impl File {
+    /// What messages call it.
+    pub fn name(&self) -> String {
+        self.input.name()
+    }
+
+    /// Columns and rows of the pixels held: the data window (of several parts, the rectangle around
+    /// all of theirs; outside its own window a part's channels read 0).
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// The windows and the other header attributes.
+    pub fn metadata(&self) -> &Metadata {
+        &self.metadata
+    }
+
+    /// All channels, in the file's order.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// All variables, second names (marked as alias) included.
+    pub fn variables(&self) -> &[Binding] {
+        &self.bindings
+    }
+
+    /// The channels of the variable `name`.
+    ///
+    /// # Errors
+    /// If there is none, with what there is and the `--map` that may help; if it is ambiguous, with
+    /// the `--map`s that choose.
+    pub fn find(&self, name: &str) -> Result<&Candidate, ImageError> {
+        bind::find(&self.name(), &self.bindings, name)
+    }
+
+    /// What to tell a program that reads `name`, which this file does not have.
+    pub fn missing(&self, name: &str) -> ImageError {
+        bind::missing(&self.name(), &self.bindings, name)
+    }
+
+    /// Decodes these variables, in this order, and nothing else.
+    ///
+    /// # Errors
+    /// If one is missing or ambiguous, or the file turns out damaged.
+    pub fn load(&self, names: &[&str]) -> Result<Image<'static>, ImageError> {
+        let mut found = Vec::new();
+        for name in names {
+            found.push((*name, self.find(name)?));
+        }
+        let mut wanted = vec![false; self.channels.len()];
+        for (_, candidate) in &found {
+            candidate.channels.iter().for_each(|&c| wanted[c] = true);
+        }
+        let mut planes = self.planes(&wanted)?;
+        // Hand each plane to its last user, and copies to those before.
+        let mut uses = vec![0usize; planes.len()];
+        for (_, candidate) in &found {
+            candidate.channels.iter().for_each(|&c| uses[c] += 1);
+        }
+        let mut take = |c: usize| {
+            uses[c] -= 1;
+            if uses[c] == 0 { std::mem::take(&mut planes[c]) } else { planes[c].clone() }
+        };
+        let variables = found
+            .into_iter()
+            .map(|(name, candidate)| Variable {
+                name: name.to_string(),
+                shape: candidate.shape.clone(),
+                planes: candidate.channels.iter().map(|&c| Cow::Owned(take(c))).collect(),
+            })
+            .collect();
+        let [width, height] = self.size;
+        Ok(Image { width, height, variables, metadata: self.metadata.clone() })
+    }
+
+    /// Decodes every variable that is not ambiguous and no alias.
+    ///
+    /// # Errors
+    /// If the file turns out damaged.
+    pub fn load_all(&self) -> Result<Image<'static>, ImageError> {
+        let plain = self.bindings.iter().filter(|b| !b.alias && b.candidates.len() == 1);
+        let names: Vec<&str> = plain.map(|b| b.name.as_str()).collect();
+        self.load(&names)
+    }
+
+    /// The planes of the wanted channels; the others stay empty.
+    fn planes(&self, wanted: &[bool]) -> Result<Vec<Vec<f32>>, ImageError> {
+        let name = self.name();
+        let [width, height] = self.size;
+        let Some(count) = width.checked_mul(height) else {
+            return Err(ImageError::new(ErrorKind::TooLarge, format!("`{name}` is too large")));
+        };
+        match &self.source {
+            Source::Raster(raster) if wanted.contains(&true) => raster.decode(&self.input),
+            Source::Raster(_) => Ok(vec![Vec::new(); wanted.len()]),
+            Source::Exr(exr) => {
+                let mut planes = Vec::new();
+                for &wanted in wanted {
+                    planes.push(if wanted { guard::plane(&name, count)? } else { Vec::new() });
+                }
+                exr.decode(&self.input, &self.channels, wanted, |line| {
+                    let start = line.y * width + line.x;
+                    line.floats(&mut planes[line.channel][start..]);
+                })?;
+                Ok(planes)
+            }
+        }
+    }
+}

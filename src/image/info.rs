@@ -1,0 +1,397 @@
+//! What `pse info FILE` tells: sizes and windows, parts, attributes, each channel's range and variable,
+//! and notes on what may surprise.
+
+use super::error::ImageError;
+use super::file::{File, Samples, Source};
+use super::names::last_field;
+use exr::math::Vec2;
+use exr::meta::BlockDescription;
+use exr::meta::attribute::AttributeValue;
+use std::fmt;
+
+/// Everything about a file; its text is a table for people.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Info {
+    /// The file, as messages call it.
+    pub name: String,
+    /// The format's name.
+    pub format: String,
+    /// Columns and rows held.
+    pub size: [usize; 2],
+    /// The first held pixel, from the top left of the display window.
+    pub origin: [i32; 2],
+    /// Columns and rows of the display window.
+    pub resolution: [usize; 2],
+    /// The width of a pixel over its height.
+    pub pixel_aspect: f32,
+    /// The parts, one in most files.
+    pub parts: Vec<PartInfo>,
+    /// Header attributes: name and value.
+    pub attributes: Vec<(String, String)>,
+    /// The channels.
+    pub channels: Vec<ChannelInfo>,
+    /// What may surprise; each a sentence.
+    pub notes: Vec<String>,
+}
+
+/// One part of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartInfo {
+    /// Its name; empty if it has none.
+    pub name: String,
+    /// The compression's name; empty for formats that have but one.
+    pub compression: String,
+    /// "scan lines", or "tiles of 64 x 64".
+    pub layout: String,
+    /// Columns and rows of its own data window.
+    pub size: [usize; 2],
+    /// Its data window's top left, in the file's coordinates.
+    pub origin: [i32; 2],
+    /// Deep data, which is not read.
+    pub deep: bool,
+}
+
+/// One channel, with the range of its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChannelInfo {
+    /// The full name.
+    pub name: String,
+    /// How it is stored.
+    pub samples: Samples,
+    /// The variables it is part of: `point.y`, `depth`; a second name comes in brackets, an ambiguous
+    /// one with a question mark.
+    pub variables: Vec<String>,
+    /// The least finite number; infinity if there is none.
+    pub min: f32,
+    /// The greatest finite number; minus infinity if there is none.
+    pub max: f32,
+    /// The mean of the finite numbers; NaN if there are none.
+    pub mean: f64,
+    /// How many are NaN.
+    pub nan: u64,
+    /// How many are infinite.
+    pub infinite: u64,
+    /// How many are 0.
+    pub zero: u64,
+    /// How many are finite and no whole numbers.
+    pub fractional: u64,
+    /// How many pixels the channel has.
+    pub count: u64,
+}
+
+impl ChannelInfo {
+    fn new(name: &str, samples: Samples) -> ChannelInfo {
+        ChannelInfo {
+            name: name.to_string(),
+            samples,
+            variables: Vec::new(),
+            min: f32::INFINITY,
+            max: f32::NEG_INFINITY,
+            mean: f64::NAN,
+            nan: 0,
+            infinite: 0,
+            zero: 0,
+            fractional: 0,
+            count: 0,
+        }
+    }
+
+    /// Counts in some numbers; `sum` is that of the finite ones so far.
+    fn add(&mut self, values: &[f32], sum: &mut f64) {
+        for &v in values {
+            if v.is_finite() {
+                self.min = self.min.min(v);
+                self.max = self.max.max(v);
+                *sum += f64::from(v);
+                self.zero += u64::from(v == 0.0);
+                self.fractional += u64::from(v.fract() != 0.0);
+            } else if v.is_nan() {
+                self.nan += 1;
+            } else {
+                self.infinite += 1;
+            }
+        }
+        self.count += values.len() as u64;
+    }
+}
+
+/// Reads the whole file, a block at a time, and sums it up.
+///
+/// # Errors
+/// If the file turns out damaged.
+pub fn info(file: &File) -> Result<Info, ImageError> {
+    let mut channels: Vec<ChannelInfo> =
+        file.channels.iter().map(|c| ChannelInfo::new(&c.name, c.samples)).collect();
+    let mut sums = vec![0f64; channels.len()];
+    let mut notes = Vec::new();
+    let (format, parts) = match &file.source {
+        Source::Exr(exr) => {
+            let mut row = vec![0f32; file.size()[0]];
+            // Subsampled channels can be listed though they can't be read.
+            let wanted: Vec<bool> = file
+                .channels
+                .iter()
+                .map(|c| exr.headers()[c.part].channels.list.iter().all(|d| d.sampling == Vec2(1, 1)))
+                .collect();
+            if wanted.contains(&false) {
+                notes.push("Parts with subsampled channels are not read.".to_string());
+            }
+            exr.decode(&file.input, &file.channels, &wanted, |line| {
+                let row = &mut row[..line.len()];
+                line.floats(row);
+                channels[line.channel].add(row, &mut sums[line.channel]);
+            })?;
+            ("OpenEXR".to_string(), exr.headers().iter().map(part).collect())
+        }
+        Source::Raster(raster) => {
+            for (index, plane) in raster.decode(&file.input)?.iter().enumerate() {
+                channels[index].add(plane, &mut sums[index]);
+            }
+            (raster.format.to_string(), Vec::new())
+        }
+    };
+    for (channel, sum) in channels.iter_mut().zip(&sums) {
+        let finite = channel.count - channel.nan - channel.infinite;
+        if finite > 0 {
+            channel.mean = sum / finite as f64;
+        }
+    }
+    name_variables(file, &mut channels);
+    take_notes(file, &channels, &parts, &mut notes);
+    let metadata = file.metadata();
+    Ok(Info {
+        name: file.name(),
+        format,
+        size: file.size(),
+        origin: metadata.origin,
+        resolution: metadata.resolution.unwrap_or(file.size()),
+        pixel_aspect: metadata.pixel_aspect,
+        parts,
+        attributes: metadata.attributes.iter().map(|(n, v)| (n.to_string(), v)).collect(),
+        channels,
+        notes,
+    })
+}
+
+fn part(header: &exr::meta::header::Header) -> PartInfo {
+    let position = header.own_attributes.layer_position;
+    PartInfo {
+        name: header.own_attributes.layer_name.as_ref().map_or(String::new(), ToString::to_string),
+        compression: format!("{}", header.compression),
+        layout: match header.blocks {
+            BlockDescription::ScanLines => "scan lines".into(),
+            BlockDescription::Tiles(t) => format!("tiles of {} x {}", t.tile_size.0, t.tile_size.1),
+        },
+        size: [header.layer_size.0, header.layer_size.1],
+        origin: [position.x(), position.y()],
+        deep: header.deep,
+    }
+}
+
+/// Tells each channel the variables it is part of.
+fn name_variables(file: &File, channels: &mut [ChannelInfo]) {
+    for binding in file.variables() {
+        for candidate in &binding.candidates {
+            let names = component_names(&candidate.shape, candidate.channels.len());
+            for (component, &channel) in names.iter().zip(&candidate.channels) {
+                let mark = if binding.candidates.len() > 1 { "?" } else { "" };
+                let name = format!("{}{component}{mark}", binding.name);
+                let name = if binding.alias { format!("({name})") } else { name };
+                // A grey image's one channel is all three of its colour.
+                let list = &mut channels[channel].variables;
+                if !list.iter().any(|v| v.split('.').next() == name.split('.').next()) {
+                    list.push(name);
+                }
+            }
+        }
+    }
+}
+
+fn component_names(shape: &crate::shape::Shape, cells: usize) -> Vec<String> {
+    match shape {
+        crate::shape::Shape::Scalar => vec![String::new()],
+        crate::shape::Shape::Vector(n @ 2..=4) => {
+            "xyzw".chars().take(*n as usize).map(|c| format!(".{c}")).collect()
+        }
+        _ => (1..=cells).map(|i| format!("[{i}]")).collect(),
+    }
+}
+
+fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: &mut Vec<String>) {
+    let of = |name: &str| file.find(name).ok().map(|c| &channels[c.channels[0]]);
+    for part in parts.iter().filter(|p| p.deep) {
+        notes.push(format!("The part `{}` holds deep data and is not read.", part.name));
+    }
+    if parts.iter().any(|p| (p.size, p.origin) != (parts[0].size, parts[0].origin)) {
+        notes.push("The parts' data windows differ; outside its own, a part's channels read 0.".into());
+    }
+    let lossy: Vec<&str> = file
+        .channels
+        .iter()
+        .zip(channels)
+        .filter(|(c, about)| {
+            let dwa = parts.get(c.part).is_some_and(|p| p.compression.to_lowercase().starts_with("dwa"));
+            let picture = about.variables.iter().any(|v| v.starts_with("color") || v.starts_with("alpha"));
+            dwa && !picture && matches!(last_field(&c.name), "R" | "G" | "B" | "Y")
+        })
+        .map(|(c, _)| c.name.as_str())
+        .collect();
+    if !lossy.is_empty() {
+        notes.push(format!(
+            "DWA compression is lossy for channels named R G B Y, even floats: {} {} not exact. Render data passes with ZIP.",
+            lossy.join(", "),
+            if lossy.len() == 1 { "is" } else { "are" }
+        ));
+    }
+    let surface = of("surface");
+    if let Some(ids) = surface {
+        if ids.fractional > 0 {
+            notes.push(format!(
+                "{} pixels of `surface` are no whole numbers: a pixel filter has mixed ids there.",
+                ids.fractional
+            ));
+        }
+        if ids.samples == Samples::Uint && ids.max >= 16_777_216.0 {
+            notes.push("Some ids of `surface` are above 2^24, where a 32-bit float has no odd numbers.".into());
+        }
+        if ids.zero > 0 {
+            notes.push(format!("`surface` is 0 at {} pixels: probably the background.", ids.zero));
+        }
+    } else if let Some(depth) = of("depth")
+        && (depth.infinite > 0 || depth.max >= 1e9)
+    {
+        notes.push("The background is probably where `depth` is infinite or 1e10.".into());
+    }
+    for binding in file.variables().iter().filter(|b| b.candidates.len() > 1) {
+        let groups: Vec<String> = binding.candidates.iter().map(|c| format!("`{}`", c.group)).collect();
+        notes.push(format!(
+            "`{}` could be {}: choose with --map {}=… to read it.",
+            binding.name,
+            groups.join(" or "),
+            binding.name
+        ));
+    }
+    let bad: Vec<&str> =
+        channels.iter().filter(|c| c.nan > 0 || c.infinite > 0).map(|c| c.name.as_str()).collect();
+    if !bad.is_empty() {
+        notes.push(format!("Not all numbers are finite in {}.", bad.join(", ")));
+    }
+}
+
+/// An attribute's value for people, cut if it is long.
+pub(crate) fn attribute_text(value: &AttributeValue) -> String {
+    let row = |v: &[f32]| v.iter().map(|x| x.to_string()).collect::<Vec<_>>().join(" ");
+    let text = match value {
+        AttributeValue::Text(text) => text.to_string(),
+        AttributeValue::TextVector(list) => {
+            list.iter().map(ToString::to_string).collect::<Vec<String>>().join(" ")
+        }
+        AttributeValue::F32(v) => v.to_string(),
+        AttributeValue::F64(v) => v.to_string(),
+        AttributeValue::I32(v) => v.to_string(),
+        AttributeValue::Rational((a, b)) => format!("{a}/{b}"),
+        AttributeValue::FloatVec2(v) => row(&[v.0, v.1]),
+        AttributeValue::FloatVec3(v) => row(&[v.0, v.1, v.2]),
+        AttributeValue::IntVec2(v) => format!("{} {}", v.0, v.1),
+        AttributeValue::IntVec3(v) => format!("{} {} {}", v.0, v.1, v.2),
+        AttributeValue::Matrix3x3(m) => row(m),
+        AttributeValue::Matrix4x4(m) => row(m),
+        AttributeValue::Bytes { bytes, .. } => format!("{} bytes", bytes.len()),
+        AttributeValue::Custom { kind, bytes } => format!("{} bytes of {kind}", bytes.len()),
+        other => format!("{other:?}"),
+    };
+    let mut text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if let Some((cut, _)) = text.char_indices().nth(100) {
+        text.truncate(cut);
+        text.push('…');
+    }
+    text
+}
+
+/// A number in a few characters.
+fn short(v: f64) -> String {
+    let size = v.abs();
+    if v == 0.0 {
+        "0".into()
+    } else if !(1e-3..1e6).contains(&size) {
+        format!("{v:.3e}")
+    } else if v == v.trunc() {
+        format!("{v:.0}")
+    } else {
+        format!("{v:.4}")
+    }
+}
+
+impl fmt::Display for Info {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [w, h] = self.size;
+        writeln!(f, "{}: {}, {w} x {h}", self.name, self.format)?;
+        if self.resolution != self.size || self.origin != [0, 0] {
+            let [x, y] = self.origin;
+            let [dw, dh] = self.resolution;
+            writeln!(f, "display window {dw} x {dh}, data window {w} x {h} from column {x}, row {y}")?;
+        }
+        if self.pixel_aspect != 1.0 {
+            writeln!(f, "pixel aspect ratio {}", self.pixel_aspect)?;
+        }
+        for part in &self.parts {
+            let name = if part.name.is_empty() { String::new() } else { format!(" `{}`", part.name) };
+            write!(f, "part{name}: {}, {}", part.compression, part.layout)?;
+            if self.parts.len() > 1 && part.size != self.size {
+                let ([w, h], [x, y]) = (part.size, part.origin);
+                write!(f, ", {w} x {h} from column {x}, row {y}")?;
+            }
+            writeln!(f, "{}", if part.deep { ", deep" } else { "" })?;
+        }
+        let mut rows = vec![["channel", "type", "min", "max", "mean", "NaN", "inf", "variable"].map(String::from)];
+        for c in &self.channels {
+            let kind = match c.samples {
+                Samples::Half => "half",
+                Samples::Float => "float",
+                Samples::Uint => "uint",
+                Samples::Byte => "8 bit",
+                Samples::Short => "16 bit",
+            };
+            let finite = c.count > c.nan + c.infinite;
+            let number = |v: f64| if finite { short(v) } else { "-".into() };
+            rows.push([
+                c.name.clone(),
+                kind.into(),
+                number(f64::from(c.min)),
+                number(f64::from(c.max)),
+                number(c.mean),
+                c.nan.to_string(),
+                c.infinite.to_string(),
+                c.variables.join(" "),
+            ]);
+        }
+        let widths: Vec<usize> =
+            (0..8).map(|i| rows.iter().map(|r| r[i].chars().count()).max().unwrap_or(0)).collect();
+        writeln!(f)?;
+        for row in &rows {
+            let mut line = String::new();
+            for (i, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+                // Numbers stand to the right, words to the left.
+                match (2..7).contains(&i) {
+                    true => line += &format!("{cell:>width$}  "),
+                    false => line += &format!("{cell:<width$}  "),
+                }
+            }
+            writeln!(f, "{}", line.trim_end())?;
+        }
+        if !self.attributes.is_empty() {
+            let width = self.attributes.iter().map(|(n, _)| n.chars().count()).max().unwrap_or(0).min(40);
+            writeln!(f)?;
+            for (name, value) in &self.attributes {
+                writeln!(f, "{name:<width$}  {value}")?;
+            }
+        }
+        if !self.notes.is_empty() {
+            writeln!(f)?;
+            for note in &self.notes {
+                writeln!(f, "note: {note}")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,270 @@
+//! OpenEXR files of one part: every variable as channels, compressed in parallel, the same bytes each time.
+//!
+//! The header and the table of blocks are laid out here, attributes sorted by name; the `exr` crate's own
+//! writer orders them by a randomly seeded hash. Its compressors are used as they are.
+
+use super::error::ImageError;
+use super::names::{identifier, last_field};
+use super::write::{Compression, WriteOptions, unwritable};
+use super::{Image, Variable};
+use crate::shape::Shape;
+use exr::math::Vec2;
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{
+    self, AttributeValue, ChannelDescription, ChannelList, IntegerBounds, LineOrder, SampleType, Text,
+};
+use exr::meta::header::Header;
+use rayon::prelude::*;
+use smallvec::SmallVec;
+
+/// A channel to be written.
+struct Channel<'a> {
+    name: String,
+    plane: &'a [f32],
+    half: bool,
+}
+
+/// The bytes of the file.
+pub(crate) fn encode(name: &str, image: &Image<'_>, options: &WriteOptions) -> Result<Vec<u8>, ImageError> {
+    let crypto = cryptomattes(image);
+    let mut channels = Vec::new();
+    for variable in &image.variables {
+        let is_crypto = crypto.iter().any(|c| c.has(&variable.name));
+        let exact = is_crypto || matches!(variable.name.as_str(), "surface" | "point" | "depth");
+        if has_empty(&variable.shape) {
+            let why = format!("`{}` holds an empty vector, which has no channels", variable.name);
+            return Err(unwritable(name, why));
+        }
+        let names = channel_names(variable, is_crypto);
+        for (i, channel) in names.into_iter().enumerate() {
+            // A grey colour fills three channels from one plane.
+            let plane = &variable.planes[i.min(variable.planes.len() - 1)];
+            channels.push(Channel { name: channel, plane, half: options.half && !exact });
+        }
+    }
+    if channels.is_empty() {
+        return Err(unwritable(name, "the image has no variables"));
+    }
+    channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
+    if let Some(pair) = channels.windows(2).find(|pair| pair[0].name == pair[1].name) {
+        let why = format!("two variables would be the channel `{}`", pair[0].name);
+        return Err(unwritable(name, why).hint("Rename one of them, or leave it out."));
+    }
+    let header = header(name, image, &channels, options.compression)?;
+    let attributes = attributes(image, &header, &crypto);
+    let long = |text: &str| text.len() > 31;
+    let attribute_long = attributes.iter().any(|(n, v)| long(n) || v.kind_name().len() > 31);
+    let too_long = channels.iter().map(|c| &c.name).chain(attributes.iter().map(|a| &a.0)).find(|n| n.len() > 255);
+    if let Some(text) = too_long {
+        return Err(unwritable(name, format!("a name of more than 255 letters: `{text}`")));
+    }
+    let blocks = compress(name, image, &channels, &header)?;
+
+    // Magic number and version 2, with a flag for names of more than 31 letters.
+    let mut out = super::read_exr::MAGIC.to_vec();
+    let flags = if attribute_long || channels.iter().any(|c| long(&c.name)) { 0x400u32 } else { 0 };
+    out.extend((2 | flags).to_le_bytes());
+    for (attribute_name, value) in &attributes {
+        let text = Text::new_or_none(attribute_name).unwrap_or_default();
+        attribute::write(text.as_slice(), value, &mut out).map_err(|e| unwritable(name, e))?;
+    }
+    out.push(0);
+    // The table of blocks, then the blocks: row, length, bytes.
+    let mut offset = (out.len() + 8 * blocks.len()) as u64;
+    for (_, bytes) in &blocks {
+        out.extend(offset.to_le_bytes());
+        offset += 8 + bytes.len() as u64;
+    }
+    out.reserve(blocks.iter().map(|(_, bytes)| 8 + bytes.len()).sum());
+    for (row, bytes) in &blocks {
+        out.extend(row.to_le_bytes());
+        out.extend((bytes.len() as i32).to_le_bytes());
+        out.extend(bytes);
+    }
+    Ok(out)
+}
+
+/// The names of a variable's channels: `R G B (A)` for `color`, `A` for `alpha`, `.x .y .z .w` for short
+/// vectors, numbers for others.
+fn channel_names(variable: &Variable<'_>, crypto: bool) -> Vec<String> {
+    let letters = |prefix: &str, set: &str, n: u32| {
+        set.chars().take(n as usize).map(|c| format!("{prefix}{c}")).collect::<Vec<String>>()
+    };
+    let dotted = format!("{}.", variable.name);
+    match (variable.name.as_str(), &variable.shape) {
+        ("color", Shape::Scalar) => letters("", "RGB", 3),
+        ("color", Shape::Vector(n @ 3..=4)) => letters("", "RGBA", *n),
+        ("alpha", Shape::Scalar) => vec!["A".into()],
+        (name, Shape::Scalar) => vec![name.to_string()],
+        (_, Shape::Vector(4)) if crypto => letters(&dotted, "rgba", 4),
+        (_, Shape::Vector(n @ 2..=4)) => letters(&dotted, "xyzw", *n),
+        (name, shape) => {
+            let mut names = Vec::new();
+            number(name, shape, &mut names);
+            names
+        }
+    }
+}
+
+fn number(prefix: &str, shape: &Shape, names: &mut Vec<String>) {
+    if shape.is_scalar() {
+        names.push(prefix.to_string());
+    }
+    for (i, element) in shape.elements().enumerate() {
+        number(&format!("{prefix}.{}", i + 1), &element, names);
+    }
+}
+
+fn has_empty(shape: &Shape) -> bool {
+    shape.is_empty() || !shape.is_scalar() && shape.elements().any(|e| has_empty(&e))
+}
+
+fn header(
+    name: &str,
+    image: &Image<'_>,
+    channels: &[Channel<'_>],
+    compression: Compression,
+) -> Result<Header, ImageError> {
+    let mut list: SmallVec<[ChannelDescription; 5]> = SmallVec::new();
+    for channel in channels {
+        let Some(text) = Text::new_or_none(&channel.name) else {
+            return Err(unwritable(name, format!("EXR has no letters for `{}`", channel.name)));
+        };
+        list.push(ChannelDescription {
+            name: text,
+            sample_type: if channel.half { SampleType::F16 } else { SampleType::F32 },
+            quantize_linearly: false,
+            sampling: Vec2(1, 1),
+        });
+    }
+    let about = &image.metadata;
+    let place = |axis: usize| {
+        let start = i64::from(about.display_origin[axis]) + i64::from(about.origin[axis]);
+        let size = [image.width, image.height][axis] as i64;
+        let within = start > -(1 << 29) && start + size < (1 << 29);
+        within.then_some(start as i32).ok_or_else(|| unwritable(name, "its data window lies too far out"))
+    };
+    let position = Vec2(place(0)?, place(1)?);
+    let [width, height] = image.resolution();
+    if width.max(height) >= 1 << 29 {
+        return Err(unwritable(name, "its display window is too large"));
+    }
+    use attribute::Compression as Exr;
+    let compression = match compression {
+        Compression::None => Exr::Uncompressed,
+        Compression::Rle => Exr::RLE,
+        Compression::Zips => Exr::ZIP1,
+        Compression::Zip => Exr::ZIP16,
+        Compression::Piz => Exr::PIZ,
+    };
+    let mut header = Header::new(Text::default(), (image.width, image.height), list).with_encoding(
+        compression,
+        BlockDescription::ScanLines,
+        LineOrder::Increasing,
+    );
+    header.own_attributes.layer_position = position;
+    header.shared_attributes.display_window = IntegerBounds {
+        position: Vec2(about.display_origin[0], about.display_origin[1]),
+        size: Vec2(width, height),
+    };
+    Ok(header)
+}
+
+/// All attributes of the header, sorted by name.
+fn attributes(image: &Image<'_>, header: &Header, crypto: &[Cryptomatte]) -> Vec<(String, AttributeValue)> {
+    let aspect = image.metadata.pixel_aspect;
+    let window = header.shared_attributes.display_window;
+    let mut list: Vec<(String, AttributeValue)> = vec![
+        ("channels".into(), AttributeValue::ChannelList(ChannelList::new(header.channels.list.clone()))),
+        ("compression".into(), AttributeValue::Compression(header.compression)),
+        ("dataWindow".into(), AttributeValue::IntegerBounds(header.data_window())),
+        ("displayWindow".into(), AttributeValue::IntegerBounds(window)),
+        ("lineOrder".into(), AttributeValue::LineOrder(LineOrder::Increasing)),
+        ("pixelAspectRatio".into(), AttributeValue::F32(if aspect > 0.0 { aspect } else { 1.0 })),
+    ];
+    let own = list.len();
+    for (name, value) in &image.metadata.attributes.list {
+        let stale = name.is_empty() || list[..own].iter().any(|(n, _)| n == name);
+        // A cryptomatte's names go only with its channels, which have lost the layer's prefix.
+        let value = match name.strip_prefix("cryptomatte/").and_then(|rest| rest.split_once('/')) {
+            Some((id, field)) => match crypto.iter().find(|c| c.id == id) {
+                Some(matte) if matte.written && field == "name" => {
+                    AttributeValue::Text(Text::new_or_none(&matte.layer).unwrap_or_default())
+                }
+                Some(matte) if matte.written => value.clone(),
+                _ => continue,
+            },
+            None => value.clone(),
+        };
+        if !stale {
+            list.push((name.clone(), value));
+        }
+    }
+    for (name, value) in [
+        ("screenWindowCenter", AttributeValue::FloatVec2(Vec2(0.0, 0.0))),
+        ("screenWindowWidth", AttributeValue::F32(1.0)),
+    ] {
+        if list.iter().all(|(n, _)| n != name) {
+            list.push((name.into(), value));
+        }
+    }
+    list.sort_by(|a, b| a.0.as_bytes().cmp(b.0.as_bytes()));
+    list
+}
+
+/// A cryptomatte that the input's header describes.
+struct Cryptomatte {
+    id: String,
+    /// What its variables are called, without the number: `CryptoObject`.
+    layer: String,
+    written: bool,
+}
+
+impl Cryptomatte {
+    fn has(&self, variable: &str) -> bool {
+        variable.strip_prefix(self.layer.as_str()).is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
+    }
+}
+
+fn cryptomattes(image: &Image<'_>) -> Vec<Cryptomatte> {
+    let of = |(name, value): &(String, AttributeValue)| {
+        let id = name.strip_prefix("cryptomatte/")?.strip_suffix("/name")?.to_string();
+        let AttributeValue::Text(text) = value else { return None };
+        let mut matte = Cryptomatte { id, layer: identifier(last_field(&text.to_string())), written: false };
+        matte.written = image.variables.iter().any(|v| matte.has(&v.name));
+        Some(matte)
+    };
+    image.metadata.attributes.list.iter().filter_map(of).collect()
+}
+
+/// The blocks: the first row's place in the file's plane, and the compressed bytes.
+fn compress(
+    name: &str,
+    image: &Image<'_>,
+    channels: &[Channel<'_>],
+    header: &Header,
+) -> Result<Vec<(i32, Vec<u8>)>, ImageError> {
+    let rows = header.compression.scan_lines_per_block();
+    let top = header.own_attributes.layer_position.y();
+    (0..image.height.div_ceil(rows))
+        .into_par_iter()
+        .map(|block| {
+            let first = block * rows;
+            let count = rows.min(image.height - first);
+            let mut bytes = Vec::with_capacity(header.channels.bytes_per_pixel * image.width * count);
+            for row in first..first + count {
+                for channel in channels {
+                    let samples = &channel.plane[row * image.width..][..image.width];
+                    if channel.half {
+                        bytes.extend(samples.iter().flat_map(|&v| half::f16::from_f32(v).to_ne_bytes()));
+                    } else {
+                        bytes.extend(samples.iter().flat_map(|v| v.to_ne_bytes()));
+                    }
+                }
+            }
+            let section = IntegerBounds { position: Vec2(0, first as i32), size: Vec2(image.width, count) };
+            let packed = header.compression.compress_image_section_to_le(header, bytes, section);
+            Ok((top + first as i32, packed.map_err(|e| unwritable(name, e))?))
+        })
+        .collect()
+}
