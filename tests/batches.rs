@@ -199,7 +199,7 @@ fn outcome(program: &Program, image: &Image<'_>, options: &RunOptions<'_>) -> Re
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
 
     #[test]
     fn batches_threads_and_instruction_sets_agree(choices in prop::collection::vec(any::<u8>(), 0..160)) {
@@ -262,7 +262,7 @@ fn runaway_programs_end_soon() {
             "function f(x)\n    if x > 25\n        return 1\n    return f(x + 1) + f(x + 1)\ncolor = f(0)",
             "steps",
         ),
-        ("v = [1]\nwhile 1\n    v = append(v, v)\ncolor = 1", "more than"),
+        ("v = [1]\nwhile 1\n    v = append(v, v)\ncolor = 1", "limit is"),
         ("color = sum([1 .. 1000000000])", "more than"),
         (
             "v = [1 .. 60000] * pixel.x\nw = v * 2\nu = w + 1\nz = u + w\nwhile 1\n    z += v\ncolor = z[1]",

@@ -5,38 +5,23 @@
 
 use pse::diagnostic::{Diagnostic, Sources, Style};
 use pse::syntax;
-use std::path::Path;
 
 /// Snapshots the messages of every program in a folder; `check` gives the errors of one.
 fn messages(folder: &str, check: fn(&mut Sources, &str, &str) -> Vec<Diagnostic>) {
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors").join(folder));
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    settings.remove_input_file();
-    settings.bind(|| {
-        let mut files: Vec<_> = std::fs::read_dir(Path::new("tests/errors").join(folder))
-            .expect("the folder is there")
-            .map(|entry| entry.expect("an entry can be read").path())
-            .filter(|path| path.extension().is_some_and(|e| e == "pse"))
-            .collect();
-        files.sort();
-        assert!(!files.is_empty());
-        let mut changed = Vec::new();
-        for path in files {
-            let name = path.file_name().expect("a file").to_string_lossy().into_owned();
-            let text = std::fs::read_to_string(&path).expect("the file can be read");
-            let mut sources = Sources::default();
-            let errors = check(&mut sources, &name, &text);
-            assert!(!errors.is_empty(), "{name} has no error");
-            let rendered: Vec<String> = errors.iter().map(|e| e.render(&sources, Style::PLAIN)).collect();
-            let stem = name.trim_end_matches(".pse");
-            let same = std::panic::catch_unwind(|| insta::assert_snapshot!(stem, rendered.join("\n")));
-            if same.is_err() {
-                changed.push(name);
-            }
-        }
-        assert!(changed.is_empty(), "the messages changed: {changed:?}");
+    insta::glob!("errors", &format!("{folder}/*.pse"), |path| {
+        let name = path.file_name().expect("a file").to_string_lossy();
+        let text = std::fs::read_to_string(path).expect("the file can be read");
+        let mut sources = Sources::default();
+        let errors = check(&mut sources, &name, &text);
+        assert!(!errors.is_empty(), "{name} has no error");
+        let rendered: Vec<String> = errors.iter().map(|e| e.render(&sources, Style::PLAIN)).collect();
+        let mut settings = insta::Settings::clone_current();
+        settings.set_snapshot_path(path.parent().expect("a folder"));
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        settings.remove_snapshot_suffix();
+        settings.remove_input_file();
+        settings.bind(|| insta::assert_snapshot!(name.trim_end_matches(".pse"), rendered.join("\n")));
     });
 }
 

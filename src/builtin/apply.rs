@@ -1,10 +1,10 @@
 //! Calling a built-in function, and what many kernels share: how a function of vectors meets vectors of them.
 
-use super::call::{Call, Fault};
-use super::{Builtin, Kernel as Form};
+use super::call::{Call, Fault, arg};
+use super::{Builtin, Kernel as Form, Lanes2};
 use crate::lanes::{Arg, Isa, Kernel};
 use crate::shape::Shape;
-use crate::value::{self, Mismatch, Plane, Planes, Value};
+use crate::value::{self, Lanes, Mismatch, Plane, Planes, Value};
 
 impl Builtin {
     /// Computes the value of a call, whatever the form of the kernel.
@@ -50,12 +50,7 @@ impl Call<'_> {
     }
 
     /// The component-by-component operation on the cells of two values.
-    pub fn cells2(
-        &self,
-        a: &Value,
-        b: &Value,
-        kernel: fn(Isa, Arg<'_>, Arg<'_>, &mut [f32]),
-    ) -> Result<Value, Fault> {
+    pub fn cells2(&self, a: &Value, b: &Value, kernel: Lanes2) -> Result<Value, Fault> {
         value::binary(a, b, |a, b| self.map2(a, b, kernel))
             .map_err(|m| Fault::new(format!("vectors of different lengths, {} and {}", m.left, m.right)))
     }
@@ -67,10 +62,13 @@ impl Call<'_> {
         inputs: [&Plane; N],
         f: impl Fn([f32; N]) -> [f32; K],
     ) -> [Plane; K] {
-        self.planes(inputs, |s, out| {
-            let n = out.first().map_or(0, |o| o.len());
-            self.isa.run(Loop { inputs: std::array::from_fn(|k| &s[k][..n]), out, f });
-        })
+        if inputs.iter().all(|p| matches!(p, Plane::Uniform(_))) {
+            return f(inputs.map(|p| p.lane(0))).map(Plane::Uniform);
+        }
+        let mut out: [Lanes; K] = std::array::from_fn(|_| Lanes::new(self.n));
+        let inputs = inputs.map(|p| arg(p, self.n));
+        strips(self.isa, inputs, out.each_mut().map(|l| l.get_mut(self.n)), f);
+        out.map(Plane::Varying)
     }
 
     /// One plane from `N`, lane by lane.
@@ -80,39 +78,73 @@ impl Call<'_> {
     }
 }
 
-/// So many lanes are computed at once.
-const STRIP: usize = 16;
+/// Computes `K` numbers a lane from `N`, as [`Call::lanes`] does.
+pub fn strips<const N: usize, const K: usize>(
+    isa: Isa,
+    inputs: [Arg<'_>; N],
+    out: [&mut [f32]; K],
+    f: impl Fn([f32; N]) -> [f32; K],
+) {
+    isa.run(Strips { inputs, out, f });
+}
 
-/// The loop under [`Call::lanes`]. It goes by strips that are copied to the stack and back: the compiler
-/// cannot know that several outputs and inputs are apart in memory, and would not vectorise across them.
-struct Loop<'a, const N: usize, const K: usize, F> {
-    inputs: [&'a [f32]; N],
+/// So many lanes are computed at once.
+const STRIP: usize = 32;
+
+/// The loop under [`strips`]. It copies strips of lanes to the stack and back: the compiler cannot know that
+/// several outputs and inputs are apart in memory, and would not vectorise across them.
+struct Strips<'a, const N: usize, const K: usize, F> {
+    inputs: [Arg<'a>; N],
     out: [&'a mut [f32]; K],
     f: F,
 }
 
-impl<const N: usize, const K: usize, F: Fn([f32; N]) -> [f32; K]> Kernel for Loop<'_, N, K, F> {
+impl<const N: usize, const K: usize, F: Fn([f32; N]) -> [f32; K]> Kernel for Strips<'_, N, K, F> {
     type Output = ();
     #[inline(always)]
     fn run(mut self) {
         let n = self.out.first().map_or(0, |o| o.len());
-        for start in (0..n).step_by(STRIP) {
-            let end = n.min(start + STRIP);
-            let mut inputs = [[0.0; STRIP]; N];
-            for (strip, lanes) in inputs.iter_mut().zip(self.inputs) {
-                strip[..end - start].copy_from_slice(&lanes[start..end]);
-            }
-            let mut out = [[0.0; STRIP]; K];
-            for i in 0..STRIP {
-                let result = (self.f)(std::array::from_fn(|k| inputs[k][i]));
-                for k in 0..K {
-                    out[k][i] = result[k];
-                }
-            }
-            for (lanes, strip) in self.out.iter_mut().zip(&out) {
-                lanes[start..end].copy_from_slice(&strip[..end - start]);
+        let mut strips =
+            self.inputs.map(|arg| if let Arg::Uniform(x) = arg { [x; STRIP] } else { [0.0; STRIP] });
+        // The last strip may be shorter: it is computed apart, so that the others are copied at a known length.
+        let whole = n - n % STRIP;
+        for start in (0..whole).step_by(STRIP) {
+            self.load(&mut strips, start, STRIP);
+            let results = self.compute(&strips);
+            for (out, strip) in self.out.iter_mut().zip(&results) {
+                out[start..start + STRIP].copy_from_slice(strip);
             }
         }
+        if whole < n {
+            self.load(&mut strips, whole, n - whole);
+            let results = self.compute(&strips);
+            for (out, strip) in self.out.iter_mut().zip(&results) {
+                out[whole..n].copy_from_slice(&strip[..n - whole]);
+            }
+        }
+    }
+}
+
+impl<const N: usize, const K: usize, F: Fn([f32; N]) -> [f32; K]> Strips<'_, N, K, F> {
+    #[inline(always)]
+    fn load(&self, strips: &mut [[f32; STRIP]; N], start: usize, count: usize) {
+        for (strip, arg) in strips.iter_mut().zip(self.inputs) {
+            if let Arg::Varying(lanes) = arg {
+                strip[..count].copy_from_slice(&lanes[start..start + count]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn compute(&self, strips: &[[f32; STRIP]; N]) -> [[f32; STRIP]; K] {
+        let mut results = [[0.0; STRIP]; K];
+        for i in 0..STRIP {
+            let result = (self.f)(std::array::from_fn(|k| strips[k][i]));
+            for k in 0..K {
+                results[k][i] = result[k];
+            }
+        }
+        results
     }
 }
 

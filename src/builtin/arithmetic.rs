@@ -1,7 +1,7 @@
 //! Arithmetic, component by component.
 
 use super::call::{Call, Fault};
-use super::{Builtin, Kernel, Param, ex};
+use super::{Builtin, Kernel, Lanes2, Param, ex};
 use crate::lanes::{Arg, Isa, map1, map2};
 use crate::math;
 use crate::value::Value;
@@ -50,11 +50,7 @@ fn max_lanes(isa: Isa, a: Arg<'_>, b: Arg<'_>, out: &mut [f32]) {
 }
 
 /// Reduces several arguments, or the elements of a single vector.
-fn extreme(
-    call: &Call<'_>,
-    name: &str,
-    kernel: fn(Isa, Arg<'_>, Arg<'_>, &mut [f32]),
-) -> Result<Value, Fault> {
+fn extreme(call: &Call<'_>, name: &str, kernel: Lanes2) -> Result<Value, Fault> {
     let elements: Vec<Value>;
     let values = match call.args {
         [one] if !one.shape.is_scalar() => {

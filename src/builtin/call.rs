@@ -1,5 +1,6 @@
 //! What a kernel that looks at whole values gets, and what it may answer.
 
+use super::Lanes2;
 use crate::lanes::{Arg, Isa};
 use crate::value::{Lanes, Mask, Plane, Planes, Value};
 use smallvec::SmallVec;
@@ -96,8 +97,8 @@ impl Call<'_> {
     }
 
     /// One plane from two, by a kernel over lanes that takes a uniform side as it is.
-    pub fn map2(&self, a: &Plane, b: &Plane, kernel: fn(Isa, Arg<'_>, Arg<'_>, &mut [f32])) -> Plane {
-        map2(self.isa, self.n, a, b, |isa, a, b, out| kernel(isa, a, b, out))
+    pub fn map2(&self, a: &Plane, b: &Plane, kernel: Lanes2) -> Plane {
+        map2(self.isa, self.n, a, b, kernel)
     }
 
     /// The planes of a vector of scalars, or a fault that says what the argument is.

@@ -1,16 +1,12 @@
 //! Vectors as lists of elements: their number, sums, tests.
 
 use super::call::{Call, Fault};
-use super::{Builtin, Kernel, Param, ex};
-use crate::lanes::{Arg, Isa, map1, map2};
+use super::{Builtin, Kernel, Lanes2, Param, ex};
+use crate::lanes::{map1, map2};
 use crate::value::{Plane, Value};
 
 /// Combines the elements of the first argument from left to right; of none, it is `empty`; a scalar is itself.
-fn reduce(
-    call: &Call<'_>,
-    empty: f32,
-    kernel: fn(Isa, Arg<'_>, Arg<'_>, &mut [f32]),
-) -> Result<Value, Fault> {
+fn reduce(call: &Call<'_>, empty: f32, kernel: Lanes2) -> Result<Value, Fault> {
     let v = &call.args[0];
     if v.shape.is_scalar() {
         return Ok(v.clone());
@@ -38,7 +34,7 @@ fn mean(call: &Call<'_>) -> Result<Value, Fault> {
 }
 
 /// Is it so for one scalar at least, or for every one, at any depth?
-fn test(call: &Call<'_>, of_none: f32, kernel: fn(Isa, Arg<'_>, Arg<'_>, &mut [f32])) -> Value {
+fn test(call: &Call<'_>, of_none: f32, kernel: Lanes2) -> Value {
     let truth = |p: &Plane| call.map1(p, |isa, a, out| map1(isa, a, out, |x| f32::from(x != 0.0)));
     let start = Plane::Uniform(of_none);
     Value::scalar(call.args[0].planes.iter().map(truth).fold(start, |a, b| call.map2(&a, &b, kernel)))

@@ -78,17 +78,23 @@ const fn ex(code: &'static str, gives: &'static str) -> Example {
     Example { code, gives }
 }
 
+/// A kernel of two numbers a lane, either of which may be one for all lanes.
+pub type Lanes2 = fn(Isa, Arg<'_>, Arg<'_>, &mut [f32]);
+
+/// A kernel of three numbers a lane.
+pub type Lanes3 = fn(Isa, &[f32], &[f32], &[f32], &mut [f32]);
+
 /// How a function is computed.
 #[derive(Clone, Copy)]
 pub enum Kernel {
     /// Component by component, of one argument.
     Map1(fn(Isa, &[f32], &mut [f32])),
     /// Component by component, of two.
-    Map2(fn(Isa, Arg<'_>, Arg<'_>, &mut [f32])),
+    Map2(Lanes2),
     /// Component by component, of three, none of them uniform.
-    Map3(fn(Isa, &[f32], &[f32], &[f32], &mut [f32])),
+    Map3(Lanes3),
     /// Of any number: component by component from the left, as `max` of many is the `max` of two.
-    Fold(fn(Isa, Arg<'_>, Arg<'_>, &mut [f32])),
+    Fold(Lanes2),
     /// Whatever looks at whole values.
     Whole(fn(&Call<'_>) -> Result<Value, Fault>),
 }

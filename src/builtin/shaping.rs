@@ -2,7 +2,8 @@
 //! chapter “Building Procedural Textures” (Ebert et al., *Texturing and Modeling*, chapter 2).
 //! Where there are edges or parameters they come first and the signal last, as in the RenderMan language.
 
-use super::arithmetic::clamp;
+use super::apply::strips;
+use super::arithmetic::{clamp, min};
 use super::{Builtin, Kernel, Param, ex};
 use crate::lanes::{Isa, map1, map2};
 use crate::math;
@@ -16,9 +17,10 @@ fn step(edge: f32, x: f32) -> f32 {
 /// How far x has come from a to b, from 0 to 1; where both are one point, a step there.
 #[inline(always)]
 fn ramp(a: f32, b: f32, x: f32) -> f32 {
-    let t = (x - a) / (b - a);
-    // (x - a) / 0 is an infinity of the right sign already, but NaN at the edge itself.
-    let t = if x == a && a == b { 1.0 } else { t };
+    let sloping = (x - a) / (b - a);
+    // Divided by zero it would be right or not by the sign of that zero. NaN stays NaN.
+    let steep = if x >= a { 1.0 } else { clamp(x, 0.0, 0.0) };
+    let t = if a == b { steep } else { sloping };
     clamp(t, 0.0, 1.0)
 }
 
@@ -42,31 +44,37 @@ pub fn mix(a: f32, b: f32, t: f32) -> f32 {
 
 /// Perlin and Hoffert's bias: the power of x that takes 1/2 to b.
 #[inline(always)]
-fn bias(b: f32, x: f32) -> f32 {
+fn bias([b, x]: [f32; 2]) -> [f32; 1] {
     // The logarithm to base 2 of 1/2 is -1, exactly.
-    math::pow(x, -math::log2(b))
+    [math::pow(x, -math::log2(b))]
 }
 
 #[inline(always)]
-fn gain(g: f32, x: f32) -> f32 {
-    let low = x < 0.5;
-    let half = 0.5 * bias(1.0 - g, if low { 2.0 * x } else { 2.0 - 2.0 * x });
-    if low { half } else { 1.0 - half }
+fn gammacorrect([gamma, x]: [f32; 2]) -> [f32; 1] {
+    [math::pow(x, 1.0 / gamma)]
+}
+
+#[inline(always)]
+fn gain([g, x]: [f32; 2]) -> [f32; 1] {
+    let [bent] = bias([1.0 - g, min(2.0 * x, 2.0 - 2.0 * x)]);
+    // The upper half is the lower one turned about. By numbers, not by branches around the power.
+    let (start, sign) = if x < 0.5 { (0.0, 0.5) } else { (1.0, -0.5) };
+    [start + sign * bent]
 }
 
 /// The cycloid's height as a polynomial in `w = (6 |x|)^(2/3)`, less its constant 1. The curve is
 /// x = t - sin t, y = cos t; by series t² is an analytic function of w, so y is too, cusp and all. Chebyshev
 /// interpolation over a half-period gave the coefficients; the error is 3e-7.
 const CYCLOID: [f32; 9] = [
-    -0.499999986243,
-    0.0249996864244,
-    0.000536874405843,
-    2.11910651129e-5,
-    2.33970936967e-6,
-    -3.47564590432e-7,
-    9.36985089514e-8,
-    -9.74697884996e-9,
-    5.19309023304e-10,
+    -0.5,
+    0.024999686,
+    0.0005368744,
+    2.1191065e-05,
+    2.3397095e-06,
+    -3.475646e-07,
+    9.369851e-08,
+    -9.746979e-09,
+    5.1930904e-10,
 ];
 
 #[inline(always)]
@@ -162,7 +170,7 @@ pub static FUNCTIONS: &[Builtin] = &[
         doc: "`x ^ (log(b) / log(0.5))`: 0 and 1 stay, a b above 0.5 lifts what is between, one below lowers it. \
               b lies between 0 and 1 (Perlin and Hoffert, *Hypertexture*, 1989).",
         examples: &[ex("bias(0.25, [0 0.5 1])", "[0 0.25 1]"), ex("bias(0.5, 0.3)", "0.3")],
-        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, bias)),
+        kernel: Kernel::Map2(|isa, a, b, out| strips(isa, [a, b], [out], bias)),
     },
     Builtin {
         name: "gain",
@@ -174,7 +182,7 @@ pub static FUNCTIONS: &[Builtin] = &[
             ex("gain(0.75, [0 0.25 0.5 0.75 1])", "[0 0.125 0.5 0.875 1]"),
             ex("gain(0.5, 0.3)", "0.3"),
         ],
-        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, gain)),
+        kernel: Kernel::Map2(|isa, a, b, out| strips(isa, [a, b], [out], gain)),
     },
     Builtin {
         name: "gammacorrect",
@@ -183,7 +191,7 @@ pub static FUNCTIONS: &[Builtin] = &[
         doc: "Colours in image files usually want [linear_to_srgb](#linear_to_srgb), and the image writer does that \
               by itself.",
         examples: &[ex("gammacorrect(2, [0 0.25 1])", "[0 0.5 1]")],
-        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, |gamma, x| math::pow(x, 1.0 / gamma))),
+        kernel: Kernel::Map2(|isa, a, b, out| strips(isa, [a, b], [out], gammacorrect)),
     },
     Builtin {
         name: "cycloid",

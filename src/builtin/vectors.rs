@@ -14,6 +14,10 @@ pub fn dot_planes(call: &Call<'_>, a: &[Plane], b: &[Plane]) -> Plane {
         ([ax, ay, az], [bx, by, bz]) => {
             call.lane([ax, ay, az, bx, by, bz], |[ax, ay, az, bx, by, bz]| ax * bx + ay * by + az * bz)
         }
+        ([ax, ay, az, aw], [bx, by, bz, bw]) => call
+            .lane([ax, ay, az, aw, bx, by, bz, bw], |[ax, ay, az, aw, bx, by, bz, bw]| {
+                ax * bx + ay * by + az * bz + aw * bw
+            }),
         ([], _) | (_, []) => Plane::Uniform(0.0),
         ([ax, a @ ..], [bx, b @ ..]) => {
             let first = call.lane([ax, bx], |[a, b]| a * b);

@@ -3,10 +3,10 @@
 use super::fault::{Fault, Result};
 use super::host_function::HostFunction;
 use super::machine::{Frame, Machine};
-use crate::builtin::{self, Builtin, Kernel, map2};
+use crate::builtin::{self, Builtin};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::resolve::tree::*;
-use crate::value::{Mask, Mismatch, PixelValue, Plane, Value};
+use crate::value::{Mask, PixelValue, Plane, Value};
 use smallvec::SmallVec;
 
 /// Stack that must be left for a call's evaluation to begin.
@@ -82,83 +82,14 @@ impl<'r> Machine<'r> {
         mask: &Mask,
     ) -> Result<Value> {
         let values = self.arguments(args, mask)?;
-        let (isa, n) = (self.isa, self.n);
-        let lengths = |a: usize, b: usize| move |m: Mismatch| (m, a, b);
-        let outcome = match builtin.kernel {
-            Kernel::Map1(kernel) => {
-                return Ok(crate::value::map1(&values[0], |a| match a {
-                    Plane::Uniform(x) => {
-                        let mut out = [0.0];
-                        kernel(isa, &[*x], &mut out);
-                        Plane::Uniform(out[0])
-                    }
-                    Plane::Varying(lanes) => Plane::filled(n, |out| kernel(isa, lanes.get(n), out)),
-                }));
-            }
-            Kernel::Map2(kernel) => {
-                let f = |a: &Plane, b: &Plane| map2(isa, n, a, b, kernel);
-                crate::value::binary(&values[0], &values[1], f).map_err(lengths(0, 1))
-            }
-            Kernel::Map3(kernel) => {
-                let f = |a: &Plane, b: &Plane, c: &Plane| match (a, b, c) {
-                    (Plane::Uniform(a), Plane::Uniform(b), Plane::Uniform(c)) => {
-                        let mut out = [0.0];
-                        kernel(isa, &[*a], &[*b], &[*c], &mut out);
-                        Plane::Uniform(out[0])
-                    }
-                    _ => {
-                        let (a, b, c) = (a.spread(n), b.spread(n), c.spread(n));
-                        Plane::filled(n, |out| kernel(isa, a.get(n), b.get(n), c.get(n), out))
-                    }
-                };
-                let clash = |m| {
-                    let shape = |i: usize| &values[i].shape;
-                    let differ =
-                        |a: usize, b: usize| crate::value::broadcast_shape(shape(a), shape(b)).is_err();
-                    let (a, b) = if differ(0, 1) {
-                        (0, 1)
-                    } else if differ(1, 2) {
-                        (1, 2)
-                    } else {
-                        (0, 2)
-                    };
-                    (m, a, b)
-                };
-                crate::value::map3(&values[0], &values[1], &values[2], f).map_err(clash)
-            }
-            Kernel::Fold(kernel) => {
-                let mut total = Ok(values[0].clone());
-                for (i, value) in values.iter().enumerate().skip(1) {
-                    let f = |a: &Plane, b: &Plane| map2(isa, n, a, b, kernel);
-                    total = total.and_then(|t| crate::value::binary(&t, value, f).map_err(lengths(i - 1, i)));
-                }
-                total
-            }
-            Kernel::Whole(kernel) => {
-                let max_cells = self.limits.cells;
-                let call = builtin::Call { isa, n, mask, args: &values, max_cells };
-                let value = kernel(&call)
-                    .map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
-                if value.planes.len() > 4 {
-                    self.check_cells(value.planes.len(), span, mask)?;
-                    self.check_memory()?;
-                }
-                return Ok(value);
-            }
-        };
-        outcome.map_err(|(mismatch, a, b)| {
-            let lane = self.first(mask);
-            let message = format!(
-                "{}() meets vectors of different lengths, {} and {}",
-                builtin.name, mismatch.left, mismatch.right
-            );
-            let show = |i: usize| format!("{} {}", values[i].shape, values[i].show(lane));
-            let error = Diagnostic::error("shape", message, span)
-                .label(args[a].span, show(a))
-                .label(args[b].span, show(b))
-                .hint("It works component by component: vectors need the same length, or be scalars.");
-            self.fault(error, lane)
-        })
+        let call =
+            builtin::Call { isa: self.isa, n: self.n, mask, args: &values, max_cells: self.limits.cells };
+        let value =
+            builtin.apply(&call).map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
+        if value.planes.len() > 4 {
+            self.check_memory()?;
+        }
+        Ok(value)
     }
 
     fn builtin_fault(
@@ -175,10 +106,12 @@ impl<'r> Machine<'r> {
             builtin::Fault::Error { message, hint, arg, lane } => {
                 let lane = lane.unwrap_or_else(|| self.first(mask));
                 let place = arg.and_then(|i| args.get(i)).map_or(span, |e| e.span);
-                let message = format!("{}(): {message}", builtin.name);
-                let mut error = Diagnostic::error("call", message, place);
-                if let Some(value) = arg.and_then(|i| values.get(i)) {
-                    error = error.label(place, value.show(lane));
+                let mut error = Diagnostic::error("call", format!("{}(): {message}", builtin.name), place);
+                for (i, (e, value)) in args.iter().zip(values).enumerate() {
+                    // Without a culprit, the reader needs to see all that met; defaults stand nowhere.
+                    if arg.is_none_or(|culprit| culprit == i) && e.span != span {
+                        error = error.label(e.span, format!("{} {}", value.shape, value.show(lane)));
+                    }
                 }
                 let usage = format!("It is called as {}.", builtin.signature());
                 error = error.hint(hint.unwrap_or(usage));

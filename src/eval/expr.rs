@@ -109,7 +109,7 @@ impl<'r> Machine<'r> {
 
     /// A condition's truth: the lanes where it holds, and the rest.
     pub fn split(&self, condition: &Value, span: Span, mask: &Mask) -> Result<(Mask, Mask)> {
-        Ok(mask.split(self.condition(condition, span, mask)?, self.n))
+        Ok(mask.split(self.condition(condition, span, mask)?, self.width()))
     }
 
     fn condition<'v>(&self, condition: &'v Value, span: Span, mask: &Mask) -> Result<&'v Plane> {
@@ -143,10 +143,10 @@ impl<'r> Machine<'r> {
             lanes::map2(isa, a, b, out, |a, b| if a != b { 1.0 } else { 0.0 })
         });
         // Where every active lane asks for the right side, there is nothing to blend.
-        if mask.is_subset(&open, self.n) {
+        if mask.is_subset(&open, self.width()) {
             return Ok(Value::scalar(truth));
         }
-        Ok(Value::scalar(open.select(&truth, &Plane::Uniform(decided), self.n)))
+        Ok(Value::scalar(open.select(&truth, &Plane::Uniform(decided), self.width())))
     }
 
     fn conditional(&mut self, [c, a, b]: &'r [Expr; 3], mask: &Mask) -> Result<Value> {
@@ -160,7 +160,7 @@ impl<'r> Machine<'r> {
         }
         let a = self.eval(a, &yes)?;
         let b = self.eval(b, &no)?;
-        blend(&yes, &a, &b, self.n)
+        blend(&yes, &a, &b, self.width())
     }
 
     fn vector(&mut self, elements: &'r [Element], span: Span, mask: &Mask) -> Result<Value> {

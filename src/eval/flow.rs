@@ -40,28 +40,28 @@ impl<'r> Machine<'r> {
             StmtKind::While(condition, body) => self.while_loop(condition, body, mask),
             StmtKind::For(place, vector, body) => self.for_loop(*place, vector, body, mask),
             StmtKind::Break => {
-                let n = self.n;
+                let width = self.width();
                 if let Some(innermost) = self.loops.last_mut() {
-                    innermost.broken = innermost.broken.or(mask, n);
+                    innermost.broken = innermost.broken.or(mask, width);
                 }
                 Ok(Mask::None)
             }
             StmtKind::Continue => {
-                let n = self.n;
+                let width = self.width();
                 if let Some(innermost) = self.loops.last_mut() {
-                    innermost.continued = innermost.continued.or(mask, n);
+                    innermost.continued = innermost.continued.or(mask, width);
                 }
                 Ok(Mask::None)
             }
             StmtKind::Return(e) => {
                 let value = self.eval(e, mask)?;
-                let n = self.n;
+                let width = self.width();
                 if let Some(frame) = self.frames.last_mut() {
                     frame.returned = Some(match frame.returned.take() {
-                        Some(old) => blend(mask, &value, &old, n)?,
+                        Some(old) => blend(mask, &value, &old, width)?,
                         None => value,
                     });
-                    frame.lanes = frame.lanes.or(mask, n);
+                    frame.lanes = frame.lanes.or(mask, width);
                 }
                 Ok(Mask::None)
             }
@@ -69,14 +69,14 @@ impl<'r> Machine<'r> {
     }
 
     fn branch(&mut self, arms: &'r [(Expr, Vec<Stmt>)], otherwise: &'r [Stmt], mask: &Mask) -> Result<Mask> {
-        let n = self.n;
+        let width = self.width();
         let mut through = Mask::None;
         let mut open = mask.clone();
         for (condition, block) in arms {
             let value = self.eval(condition, &open)?;
             let (yes, no) = self.split(&value, condition.span, &open)?;
             if !yes.is_none() {
-                through = through.or(&self.block(block, &yes)?, n);
+                through = through.or(&self.block(block, &yes)?, width);
             }
             open = no;
             if open.is_none() {
@@ -84,23 +84,23 @@ impl<'r> Machine<'r> {
             }
         }
         let rest = self.block(otherwise, &open)?;
-        Ok(self.rejoin(through.or(&rest, n), mask))
+        Ok(self.rejoin(through.or(&rest, width), mask))
     }
 
     /// A mask that has all the lanes of another again is that one: later subset tests then cost nothing.
     fn rejoin(&self, joined: Mask, whole: &Mask) -> Mask {
-        if whole.is_subset(&joined, self.n) { whole.clone() } else { joined }
+        if whole.is_subset(&joined, self.width()) { whole.clone() } else { joined }
     }
 
     fn while_loop(&mut self, condition: &'r Expr, body: &'r [Stmt], mask: &Mask) -> Result<Mask> {
-        let n = self.n;
+        let width = self.width();
         let mut left = Mask::None;
         let mut active = mask.clone();
         while !active.is_none() {
             self.step(&active, condition.span)?;
             let value = self.eval(condition, &active)?;
             let (yes, no) = self.split(&value, condition.span, &active)?;
-            left = left.or(&no, n);
+            left = left.or(&no, width);
             if yes.is_none() {
                 break;
             }
@@ -111,15 +111,15 @@ impl<'r> Machine<'r> {
 
     /// One round of a loop's block: the lanes that go on, and those that have left the loop.
     fn round(&mut self, body: &'r [Stmt], mask: &Mask, left: Mask) -> Result<(Mask, Mask)> {
-        let n = self.n;
+        let width = self.width();
         self.loops.push(Loop { broken: Mask::None, continued: Mask::None });
         let fell = self.block(body, mask)?;
         let Some(round) = self.loops.pop() else { return Ok((Mask::None, left)) };
-        Ok((fell.or(&round.continued, n), left.or(&round.broken, n)))
+        Ok((fell.or(&round.continued, width), left.or(&round.broken, width)))
     }
 
     fn for_loop(&mut self, place: Place, vector: &'r Expr, body: &'r [Stmt], mask: &Mask) -> Result<Mask> {
-        let n = self.n;
+        let width = self.width();
         // The loop goes over the vector as it was, whatever its block assigns.
         let elements = self.eval(vector, mask)?;
         let Some(count) = elements.shape.len() else {
@@ -139,7 +139,7 @@ impl<'r> Machine<'r> {
             self.store(place, elements.element(i), &active)?;
             (active, left) = self.round(body, &active, left)?;
         }
-        let through = left.or(&active, n);
+        let through = left.or(&active, width);
         Ok(self.rejoin(through, mask))
     }
 

@@ -6,7 +6,7 @@ use super::limits::Limits;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::lanes::Isa;
 use crate::resolve::tree::*;
-use crate::value::{Lanes, Mask, Plane, Value, live_bytes};
+use crate::value::{Lanes, Mask, Plane, Value, Width, live_bytes};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A variable: its value, and the lanes in which it has one.
@@ -89,6 +89,11 @@ impl<'r> Machine<'r> {
             steps: 0,
             counts: None,
         }
+    }
+
+    /// How wide the batch is.
+    pub fn width(&self) -> Width {
+        Width { n: self.n, isa: self.isa }
     }
 
     /// Forgets the last batch. `count`: count each lane's steps by itself.
@@ -185,13 +190,13 @@ impl<'r> Machine<'r> {
 
     /// A variable's value, which every active lane must have.
     pub fn read(&mut self, place: Place, span: Span, mask: &Mask) -> Result<&Value> {
-        let n = self.n;
+        let (n, width) = (self.n, self.width());
         let slot = match place {
             Place::Global(i) => &self.globals[i as usize],
             Place::Local(i) => &self.locals[self.base + i as usize],
         };
-        if slot.value.is_none() || !mask.is_subset(&slot.defined, n) {
-            let lane = mask.minus(&slot.defined, n).first(n).unwrap_or(0);
+        if slot.value.is_none() || !mask.is_subset(&slot.defined, width) {
+            let lane = mask.minus(&slot.defined, width).first(n).unwrap_or(0);
             return Err(self.no_value(place, span, lane));
         }
         let slot = match place {
@@ -233,16 +238,16 @@ impl<'r> Machine<'r> {
     /// Stores a value in the active lanes of a variable. It stays uniform only if no other lane has a value.
     pub fn store(&mut self, place: Place, value: Value, mask: &Mask) -> Result<()> {
         self.check_memory()?;
-        let n = self.n;
+        let width = self.width();
         let slot = self.slot(place);
-        if slot.value.is_none() || slot.defined.is_subset(mask, n) {
+        if slot.value.is_none() || slot.defined.is_subset(mask, width) {
             *slot = Slot { value: Some(value), defined: mask.clone() };
             return Ok(());
         }
         if let Some(old) = slot.value.take() {
-            slot.value = Some(blend(mask, &value, &old, n)?);
+            slot.value = Some(blend(mask, &value, &old, width)?);
         }
-        slot.defined = slot.defined.or(mask, n);
+        slot.defined = slot.defined.or(mask, width);
         Ok(())
     }
 
@@ -275,11 +280,11 @@ impl<'r> Machine<'r> {
 }
 
 /// The new value in the lanes of the mask, the old one in the rest. Their shapes must agree.
-pub(super) fn blend(mask: &Mask, new: &Value, old: &Value, n: usize) -> Result<Value> {
+pub(super) fn blend(mask: &Mask, new: &Value, old: &Value, width: Width) -> Result<Value> {
     if new.shape != old.shape {
         return Err(Fault::Split(mask.clone()));
     }
-    let planes = new.planes.iter().zip(&old.planes).map(|(new, old)| mask.select(new, old, n)).collect();
+    let planes = new.planes.iter().zip(&old.planes).map(|(new, old)| mask.select(new, old, width)).collect();
     Ok(Value { shape: new.shape.clone(), planes })
 }
 

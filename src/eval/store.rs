@@ -87,14 +87,14 @@ impl<'r> Machine<'r> {
         mask: &Mask,
     ) -> Result<()> {
         self.check_memory()?;
-        let n = self.n;
+        let width = self.width();
         let slot = std::mem::replace(self.slot(place), Slot::EMPTY);
         // Lanes with a value keep its shape; lanes without one begin with an empty vector.
         let current = match slot.value {
-            Some(value) if mask.is_subset(&slot.defined, n) => Some(value),
+            Some(value) if mask.is_subset(&slot.defined, width) => Some(value),
             Some(_) => {
-                let fresh = mask.minus(&slot.defined, n);
-                if !mask.is_subset(&fresh, n) {
+                let fresh = mask.minus(&slot.defined, width);
+                if !mask.is_subset(&fresh, width) {
                     return Err(Fault::Split(fresh));
                 }
                 if !slot.defined.is_none() {
@@ -104,10 +104,10 @@ impl<'r> Machine<'r> {
             }
             None => None,
         };
-        let alone = slot.defined.is_subset(mask, n);
+        let alone = slot.defined.is_subset(mask, width);
         let value = self.stored(current, path, name, new, mask, alone)?;
         self.check_cells(value.planes.len(), name, mask)?;
-        *self.slot(place) = Slot { value: Some(value), defined: slot.defined.or(mask, n) };
+        *self.slot(place) = Slot { value: Some(value), defined: slot.defined.or(mask, width) };
         Ok(())
     }
 
@@ -124,7 +124,7 @@ impl<'r> Machine<'r> {
     ) -> Result<Value> {
         let Some((at, rest)) = path.split_first() else {
             return match current {
-                Some(old) if !alone => blend(mask, &new, &old, self.n),
+                Some(old) if !alone => blend(mask, &new, &old, self.width()),
                 _ => Ok(new),
             };
         };
@@ -149,7 +149,7 @@ impl<'r> Machine<'r> {
                                 *out = f32::from(u8::from(w == i));
                             }
                         }),
-                        n,
+                        self.width(),
                     );
                     chosen
                 };

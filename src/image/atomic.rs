@@ -20,7 +20,11 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
         return Err(fail(io::ErrorKind::IsADirectory.into()));
     }
     if existing.as_ref().is_some_and(|about| !about.is_file()) {
-        return fs::OpenOptions::new().write(true).open(path).and_then(|mut f| f.write_all(bytes)).map_err(fail);
+        return fs::OpenOptions::new()
+            .write(true)
+            .open(path)
+            .and_then(|mut f| f.write_all(bytes))
+            .map_err(fail);
     }
     let target: PathBuf = match fs::symlink_metadata(path) {
         Ok(about) if about.file_type().is_symlink() && existing.is_some() => {

@@ -88,8 +88,7 @@ pub(crate) fn bind(file: &str, channels: &[String], maps: &[Mapping]) -> Result<
             let candidate = Candidate { group: shown.clone(), channels: from, shape };
             offers.push((name.to_string(), (rank, depth), candidate, index));
         }
-        let whole =
-            Candidate { group: shown, channels: group.channels.clone(), shape: group.shape.clone() };
+        let whole = Candidate { group: shown, channels: group.channels.clone(), shape: group.shape.clone() };
         offers.push((group.own.clone(), (OWN, depth), whole, index));
         if group.path.is_empty() {
             // The beauty's channels, which have no group name, can be read one by one.
@@ -117,8 +116,7 @@ pub(crate) fn bind(file: &str, channels: &[String], maps: &[Mapping]) -> Result<
     let mut bindings: Vec<Binding> = bindings
         .into_iter()
         .map(|(mut binding, rank, index)| {
-            let rest = binding.candidates.len() > 1 && rank.0 == OWN && canonical.contains(&index);
-            binding.alias = rank.0 == OWN && canonical.contains(&index) || rest;
+            binding.alias = rank.0 == OWN && canonical.contains(&index);
             binding
         })
         .collect();
@@ -210,12 +208,10 @@ fn apply(
 fn pick<'a>(wanted: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<usize> {
     let lower = wanted.to_lowercase();
     let tail = format!(".{lower}");
-    let tests: [&dyn Fn(&str) -> bool; 4] = [
-        &|n| n == wanted,
-        &|n| n.to_lowercase() == lower,
-        &|n| n.ends_with(&format!(".{wanted}")),
-        &|n| n.to_lowercase().ends_with(&tail),
-    ];
+    let tests: [&dyn Fn(&str) -> bool; 4] =
+        [&|n| n == wanted, &|n| n.to_lowercase() == lower, &|n| n.ends_with(&format!(".{wanted}")), &|n| {
+            n.to_lowercase().ends_with(&tail)
+        }];
     for test in tests {
         let found: Vec<usize> = names.clone().enumerate().filter(|(_, n)| test(n)).map(|(i, _)| i).collect();
         if !found.is_empty() {
@@ -226,7 +222,8 @@ fn pick<'a>(wanted: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<u
 }
 
 fn several_match(map: &Mapping, wanted: &str, found: &[String], file: &str) -> ImageError {
-    let message = format!("`{wanted}` in --map {}={} fits several channels of `{file}`", map.name, map.channels);
+    let message =
+        format!("`{wanted}` in --map {}={} fits several channels of `{file}`", map.name, map.channels);
     let mut error = ImageError::new(ErrorKind::Mapping, message);
     for name in found {
         error = error.hint(format!("This one: --map {}", argument(&map.name, name)));
@@ -288,11 +285,7 @@ fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a
 }
 
 /// The variable `name`, if the file has it and it is one.
-pub(crate) fn find<'a>(
-    file: &str,
-    bindings: &'a [Binding],
-    name: &str,
-) -> Result<&'a Candidate, ImageError> {
+pub(crate) fn find<'a>(file: &str, bindings: &'a [Binding], name: &str) -> Result<&'a Candidate, ImageError> {
     let Some(binding) = bindings.iter().find(|b| b.name == name) else {
         return Err(missing(file, bindings, name));
     };
@@ -339,7 +332,8 @@ pub(crate) fn missing(file: &str, bindings: &[Binding], name: &str) -> ImageErro
             ));
         }
         if candidates.is_empty() && near.is_none() {
-            error = error.hint(format!("None of its channels can be `{name}`: render the image with that pass."));
+            error =
+                error.hint(format!("None of its channels can be `{name}`: render the image with that pass."));
         }
     }
     error.hint(format!("It has {}.", list(own.iter().map(|b| b.name.as_str()))))

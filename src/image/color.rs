@@ -24,7 +24,9 @@ fn table(max: u16) -> &'static Table {
         let scale = f64::from(max);
         Table {
             linear: (0..=max).map(|code| srgb_to_linear(f64::from(code) / scale) as f32).collect(),
-            thresholds: (1..=max).map(|code| srgb_to_linear((f64::from(code) - 0.5) / scale) as f32).collect(),
+            thresholds: (1..=max)
+                .map(|code| srgb_to_linear((f64::from(code) - 0.5) / scale) as f32)
+                .collect(),
         }
     })
 }

@@ -22,7 +22,9 @@ pub(crate) fn check_size(
 ) -> Result<(), ImageError> {
     let size = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(pixel_bytes));
     match size {
-        Some(size) if size <= FREE.max(file_bytes.saturating_mul(RATIO)) && size <= isize::MAX as u64 => Ok(()),
+        Some(size) if size <= FREE.max(file_bytes.saturating_mul(RATIO)) && size <= isize::MAX as u64 => {
+            Ok(())
+        }
         _ => Err(ImageError::new(
             ErrorKind::TooLarge,
             format!("`{file}` claims {width} x {height} pixels, more than its {file_bytes} bytes can hold"),

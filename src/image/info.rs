@@ -246,16 +246,16 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     let surface = of("surface");
     if let Some(ids) = surface {
         if ids.fractional > 0 {
-            notes.push(format!(
-                "{} pixels of `surface` are no whole numbers: a pixel filter has mixed ids there.",
-                ids.fractional
-            ));
+            let at = pixels(ids.fractional);
+            notes.push(format!("`surface` is no whole number at {at}: a pixel filter has mixed ids there."));
         }
         if ids.samples == Samples::Uint && ids.max >= 16_777_216.0 {
-            notes.push("Some ids of `surface` are above 2^24, where a 32-bit float has no odd numbers.".into());
+            notes.push(
+                "Some ids of `surface` are above 2^24, where a 32-bit float has no odd numbers.".into(),
+            );
         }
         if ids.zero > 0 {
-            notes.push(format!("`surface` is 0 at {} pixels: probably the background.", ids.zero));
+            notes.push(format!("`surface` is 0 at {}: probably the background.", pixels(ids.zero)));
         }
     } else if let Some(depth) = of("depth")
         && (depth.infinite > 0 || depth.max >= 1e9)
@@ -276,6 +276,10 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     if !bad.is_empty() {
         notes.push(format!("Not all numbers are finite in {}.", bad.join(", ")));
     }
+}
+
+fn pixels(count: u64) -> String {
+    format!("{count} {}", if count == 1 { "pixel" } else { "pixels" })
 }
 
 /// An attribute's value for people, cut if it is long.
@@ -343,7 +347,8 @@ impl fmt::Display for Info {
             }
             writeln!(f, "{}", if part.deep { ", deep" } else { "" })?;
         }
-        let mut rows = vec![["channel", "type", "min", "max", "mean", "NaN", "inf", "variable"].map(String::from)];
+        let mut rows =
+            vec![["channel", "type", "min", "max", "mean", "NaN", "inf", "variable"].map(String::from)];
         for c in &self.channels {
             let kind = match c.samples {
                 Samples::Half => "half",

@@ -9,10 +9,10 @@ use super::file::{Channel, Samples};
 use super::source::{Input, ReadSeek};
 use super::{Attributes, Metadata, guard};
 use exr::block::UncompressedBlock;
-use exr::block::chunk::Chunk;
+use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::block::lines::LineIndex;
 use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, SampleType};
+use exr::meta::attribute::{AttributeValue, Compression, SampleType};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData, compute_block_count};
 use rayon::prelude::*;
@@ -257,6 +257,10 @@ impl Exr {
         if chunk.layer_index != part {
             return Err(ImageError::damaged(name, "a block of pixels belongs to another part"));
         }
+        let header = &self.meta.headers[part];
+        if !believable(header, &chunk, size) {
+            return Err(ImageError::damaged(name, "a block of pixels claims an absurd size"));
+        }
         let block = guard::contain(|| UncompressedBlock::decompress_chunk(chunk, &self.meta, false))
             .ok_or_else(|| ImageError::damaged(name, "a block of pixels makes no sense"))?
             .map_err(|e| explain(name, e))?;
@@ -274,7 +278,8 @@ impl Exr {
 }
 
 /// Header attributes that say how a file is laid out, not what the picture is.
-const STRUCTURE: [&str; 18] = [
+const STRUCTURE: [&str; 19] = [
+    "BlenderMultiChannel",
     "channels",
     "chunkCount",
     "compression",
@@ -294,6 +299,27 @@ const STRUCTURE: [&str; 18] = [
     "version",
     "view",
 ];
+
+/// Does a DWA block claim no more memory than its pixels can need? The decoder allocates whatever the
+/// counters at its start say, before it looks at the data.
+fn believable(header: &Header, chunk: &Chunk, size: Vec2<usize>) -> bool {
+    if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        return true;
+    }
+    let bytes = match &chunk.compressed_block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return true,
+    };
+    // Channels are coded in squares of 8 by 8, so the edges count as whole squares.
+    let padded = (size.width() + 7) * (size.height() + 7) * header.channels.bytes_per_pixel;
+    let limit = 4 * padded as u64 + (1 << 16);
+    if bytes.len() == size.area() * header.channels.bytes_per_pixel {
+        return true; // stored as it is
+    }
+    let (counters, _) = bytes.as_chunks::<8>();
+    counters.iter().take(10).all(|&counter| u64::from_le_bytes(counter) <= limit)
+}
 
 /// Positions and sizes of the blocks of a part's full resolution, in the order of its table.
 fn blocks(header: &Header) -> Vec<(Vec2<usize>, Vec2<usize>)> {
@@ -345,9 +371,7 @@ fn union(name: &str, meta: &MetaData, length: u64) -> Result<(i64, i64, usize, u
         let one = [i64::from(x), i64::from(y), i64::from(x) + w as i64, i64::from(y) + h as i64];
         whole = Some(match whole {
             None => one,
-            Some(a) => {
-                [a[0].min(one[0]), a[1].min(one[1]), a[2].max(one[2]), a[3].max(one[3])]
-            }
+            Some(a) => [a[0].min(one[0]), a[1].min(one[1]), a[2].max(one[2]), a[3].max(one[3])],
         });
     }
     let [left, top, right, bottom] = whole.unwrap_or_default();
@@ -384,7 +408,9 @@ fn explain(name: &str, error: exr::error::Error) -> ImageError {
         exr::error::Error::NotSupported(what) => {
             ImageError::new(ErrorKind::Unsupported, format!("`{name}` cannot be read: {what}"))
         }
-        exr::error::Error::Invalid(what) if what.contains("reference to") => ImageError::damaged(name, "it ends too early"),
+        exr::error::Error::Invalid(what) if what.contains("reference to") => {
+            ImageError::damaged(name, "it ends too early")
+        }
         other => ImageError::damaged(name, other),
     }
 }

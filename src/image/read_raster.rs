@@ -82,7 +82,8 @@ impl Raster {
             2 => Samples::Short,
             _ => Samples::Float,
         };
-        let channel = |(index, name): (usize, &&str)| Channel { name: name.to_string(), part: 0, index, samples };
+        let channel =
+            |(index, name): (usize, &&str)| Channel { name: name.to_string(), part: 0, index, samples };
         names.iter().enumerate().map(channel).collect()
     }
 
@@ -156,9 +157,10 @@ fn gather<T: Copy + Sync>(
 fn explain(name: &str, error: ::image::ImageError) -> ImageError {
     match error {
         ::image::ImageError::IoError(e) => ImageError::io("read", name, &e),
-        ::image::ImageError::Limits(_) => {
-            ImageError::new(ErrorKind::TooLarge, format!("`{name}` needs more memory than its size justifies"))
-        }
+        ::image::ImageError::Limits(_) => ImageError::new(
+            ErrorKind::TooLarge,
+            format!("`{name}` needs more memory than its size justifies"),
+        ),
         ::image::ImageError::Unsupported(e) => {
             ImageError::new(ErrorKind::Unsupported, format!("`{name}` cannot be read: {e}"))
         }

@@ -68,9 +68,7 @@ impl Input {
     /// A reader from the start, and the number of bytes there.
     pub(crate) fn open(&self) -> Result<(Box<dyn ReadSeek>, u64), ImageError> {
         match self {
-            Input::Bytes { bytes, .. } => {
-                Ok((Box::new(Cursor::new(Arc::clone(bytes))), bytes.len() as u64))
-            }
+            Input::Bytes { bytes, .. } => Ok((Box::new(Cursor::new(Arc::clone(bytes))), bytes.len() as u64)),
             Input::Path(path) => {
                 let fail = |e: io::Error| ImageError::io("read", &self.name(), &e);
                 let file = File::open(path).map_err(fail)?;

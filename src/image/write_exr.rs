@@ -54,7 +54,8 @@ pub(crate) fn encode(name: &str, image: &Image<'_>, options: &WriteOptions) -> R
     let attributes = attributes(image, &header, &crypto);
     let long = |text: &str| text.len() > 31;
     let attribute_long = attributes.iter().any(|(n, v)| long(n) || v.kind_name().len() > 31);
-    let too_long = channels.iter().map(|c| &c.name).chain(attributes.iter().map(|a| &a.0)).find(|n| n.len() > 255);
+    let too_long =
+        channels.iter().map(|c| &c.name).chain(attributes.iter().map(|a| &a.0)).find(|n| n.len() > 255);
     if let Some(text) = too_long {
         return Err(unwritable(name, format!("a name of more than 255 letters: `{text}`")));
     }
@@ -222,7 +223,9 @@ struct Cryptomatte {
 
 impl Cryptomatte {
     fn has(&self, variable: &str) -> bool {
-        variable.strip_prefix(self.layer.as_str()).is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
+        variable
+            .strip_prefix(self.layer.as_str())
+            .is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
     }
 }
 

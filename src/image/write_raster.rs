@@ -42,18 +42,19 @@ pub(crate) fn encode(
     let count = if has_alpha { 4 } else { 3 };
     let whole = bits != 32;
     let pixels = pixels(image, &picture, count, whole && !options.raw);
-    let bytes: Vec<u8> = match (bits, options.raw) {
-        (8, raw) => codes(&pixels, count, |v, linear| {
-            if raw || linear { color::quantize(v, 255) as u8 } else { color::encode8(v) }
-        }),
-        (16, raw) => codes(&pixels, count, |v, linear| {
-            if raw || linear { color::quantize(v, 65535) } else { color::encode16(v) }
-        })
-        .into_iter()
-        .flat_map(u16::to_ne_bytes)
-        .collect(),
-        _ => pixels.iter().flat_map(|v| v.to_ne_bytes()).collect(),
-    };
+    let bytes: Vec<u8> =
+        match (bits, options.raw) {
+            (8, raw) => codes(&pixels, count, |v, linear| {
+                if raw || linear { color::quantize(v, 255) as u8 } else { color::encode8(v) }
+            }),
+            (16, raw) => codes(&pixels, count, |v, linear| {
+                if raw || linear { color::quantize(v, 65535) } else { color::encode16(v) }
+            })
+            .into_iter()
+            .flat_map(u16::to_ne_bytes)
+            .collect(),
+            _ => pixels.iter().flat_map(|v| v.to_ne_bytes()).collect(),
+        };
     let kind = match (bits, count) {
         (8, 3) => ExtendedColorType::Rgb8,
         (8, _) => ExtendedColorType::Rgba8,

@@ -32,7 +32,10 @@ const UNARY: &[Unary] = &[
     ("frac", frac, frac_lanes, |x| x - libm::floor(x), 1.0),
 ];
 
-const BINARY: &[(&str, fn(f32, f32) -> f32, Lanes2)] = &[
+/// Name, one lane, many lanes.
+type Binary = (&'static str, fn(f32, f32) -> f32, Lanes2);
+
+const BINARY: &[Binary] = &[
     ("atan2", atan2, atan2_lanes),
     ("pow", pow, pow_lanes),
     ("hypot", hypot, hypot_lanes),

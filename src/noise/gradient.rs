@@ -11,20 +11,19 @@
 //!   |noise| ≤ 1.5
 //! - on plane sections 19 % of the energy lies below 0.3 cycles a unit, 63 % in 0.3 … 0.7, 1 % above 1
 
-use super::direction::direction;
-use super::lattice::{Planes, UNIT};
+use super::direction::{LENGTH, along};
+use super::lattice::Planes;
 
 /// Gradient noise, 1992.
 #[derive(Clone, Copy, Debug)]
 pub struct Gradient;
 
 impl Planes for Gradient {
-    const VALUED: bool = false;
-    /// Perlin's factor, which makes the range about -1 … 1; and the unit of the directions.
-    const SCALE: f32 = 1.5 / UNIT;
+    /// Perlin's factor, which makes the range about -1 … 1, for directions of their length.
+    const SCALE: f32 = 1.5 / LENGTH;
 
     #[inline(always)]
-    fn plane<const D: usize>(hash: u32) -> (f32, [f32; D]) {
-        (0.0, direction(hash))
+    fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32 {
+        along(hash, offset)
     }
 }

@@ -8,6 +8,10 @@
 //! - From ±2^23 on every f32 is an integer, so the point is a lattice point and noise is its value.
 //! - NaN and infinities give NaN.
 
+// Loops over axes index several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
+use super::direction::direction;
 use super::hash;
 use crate::lanes::{Isa, Kernel};
 
@@ -17,17 +21,12 @@ pub(super) const TILE: usize = 64;
 /// A tile is filled up to a multiple of the widest vector, so that no lane runs alone.
 const WIDTH: usize = 8;
 
-/// Random bits as signed numbers, scaled by 2^-31 only in the end, where one multiplication serves all.
-pub(super) const UNIT: f32 = (1_u64 << 31) as f32;
-
-/// The linear functions of one algorithm.
+/// The linear functions of one algorithm. Their gradients are [`direction`]s.
 pub trait Planes: Copy {
-    /// Have the lattice points values, or are they all 0?
-    const VALUED: bool;
-    /// What the whole is multiplied by.
+    /// What the whole is multiplied by, once in the end.
     const SCALE: f32;
-    /// Value and gradient of the lattice point with this hash.
-    fn plane<const D: usize>(hash: u32) -> (f32, [f32; D]);
+    /// The value, at an offset from it, of the linear function of the lattice point with this hash.
+    fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32;
 }
 
 /// A point within its cell.
@@ -86,8 +85,7 @@ impl<const D: usize> Cell<D> {
     #[inline(always)]
     fn corner_value<P: Planes>(&self, corner: usize) -> f32 {
         let (hash, offset) = self.corner(corner);
-        let (value, gradient) = P::plane::<D>(hash);
-        rise::<P, D>(value, gradient, offset)
+        P::height(hash, offset)
     }
 
     // The blends of one more axis each. Straight code rather than loops over corners: a loop within
@@ -123,8 +121,7 @@ impl<const D: usize> Cell<D> {
     #[inline(always)]
     fn corner_jet<P: Planes>(&self, corner: usize) -> Jet<D> {
         let (hash, offset) = self.corner(corner);
-        let (value, gradient) = P::plane::<D>(hash);
-        Jet { value: rise::<P, D>(value, gradient, offset), gradient }
+        Jet { value: P::height(hash, offset), gradient: direction(hash) }
     }
 
     /// Blends along an axis: to its own derivative the change of the weight adds.
@@ -174,16 +171,6 @@ impl<const D: usize> Cell<D> {
 struct Jet<const D: usize> {
     value: f32,
     gradient: [f32; D],
-}
-
-/// The value of a corner's linear function at the point.
-#[inline(always)]
-fn rise<P: Planes, const D: usize>(value: f32, gradient: [f32; D], offset: [f32; D]) -> f32 {
-    let mut sum = gradient[0] * offset[0];
-    for k in 1..D {
-        sum += gradient[k] * offset[k];
-    }
-    if P::VALUED { sum + value } else { sum }
 }
 
 /// Copies up to [`TILE`] lanes of each coordinate, from lane `start`, and tells how many to work on.

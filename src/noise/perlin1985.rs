@@ -13,9 +13,9 @@
 //! - on plane sections 31 % of the energy lies below 0.3 cycles a unit, 58 % in 0.3 … 0.7, 1 % above 1,
 //!   whatever the direction of the plane (256² samples, 48 planes, Hann window)
 
-use super::direction::direction;
+use super::direction::{LENGTH, along};
 use super::hash::more;
-use super::lattice::{Planes, UNIT};
+use super::lattice::Planes;
 
 /// Noise() of 1985.
 #[derive(Clone, Copy, Debug)]
@@ -26,11 +26,11 @@ pub struct Perlin1985;
 const VALUE: f32 = 0.5;
 
 impl Planes for Perlin1985 {
-    const VALUED: bool = true;
-    const SCALE: f32 = 1.0 / UNIT;
+    const SCALE: f32 = 1.0 / LENGTH;
 
     #[inline(always)]
-    fn plane<const D: usize>(hash: u32) -> (f32, [f32; D]) {
-        (more(hash) as i32 as f32 * VALUE, direction(hash))
+    fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32 {
+        const UNIT: f32 = VALUE * LENGTH / (1_u32 << 31) as f32;
+        more(hash) as i32 as f32 * UNIT + along(hash, offset)
     }
 }

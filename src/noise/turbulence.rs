@@ -89,7 +89,8 @@ impl<P: Planes, const D: usize> Kernel for Turbulence<'_, P, D> {
             let mut sums = [0.0; lattice::TILE];
             let mut frequency = 1.0_f32;
             for _ in 0..OCTAVES {
-                if (0..end - start).all(|i| !(low[i] * frequency < high[i])) {
+                let any = (0..end - start).any(|i| low[i] * frequency < high[i]);
+                if !any {
                     break;
                 }
                 let amplitude = 1.0 / frequency;

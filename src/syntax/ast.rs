@@ -128,7 +128,7 @@ pub enum ExprKind {
     Index(Expr, Expr),
     /// `f(args)`.
     Call(Name, Vec<Argument>),
-    /// `-e`, `!e`, `+e`.
+    /// `-e`, `!e`.
     Unary(UnaryOp, Expr),
     /// `a op b`.
     Binary(BinaryOp, Expr, Expr),

@@ -37,12 +37,10 @@ pub fn explain(fault: Fault, source: SourceId, text: &str, tokens: &[Spanned]) -
     if scene.found == Token::Separator {
         span = Span::new(source, start, scene.line.get(scene.at + 1).map_or(end, |t| t.2));
     }
+    let span = said.place.unwrap_or(span);
     let mut error = Diagnostic::error("syntax", said.message, span);
     if !said.label.is_empty() {
         error = error.label(span, said.label);
-    }
-    for (place, label) in said.places {
-        error = error.label(place, label);
     }
     for hint in said.hints {
         error = error.hint(hint);
@@ -72,7 +70,8 @@ struct Said {
     message: String,
     label: String,
     hints: Vec<String>,
-    places: Vec<(Span, String)>,
+    /// The place to show, if it is not the token that did not fit.
+    place: Option<Span>,
 }
 
 fn said(message: impl Into<String>, hint: impl Into<String>) -> Said {
@@ -165,6 +164,13 @@ impl<'a> Scene<'a> {
     fn head(&self, found: &str) -> Option<Said> {
         let hints = self.form_hint();
         let make = |message: String| Some(Said { message, hints: hints.clone(), ..Said::default() });
+        if self.found == Token::Assign && self.at == 1 && self.first()?.is_keyword() {
+            let word = self.word(&self.line[0]);
+            return Some(Said {
+                place: Some(Span::new(self.source, self.line[0].0, self.line[0].2)),
+                ..said(format!("`{word}` is a word of the language"), "A variable needs another name.")
+            });
+        }
         match (self.first()?, self.at) {
             (Token::For, 1) if self.found == Token::OpenParen => Some(said(
                 "`for` has no brackets",
@@ -270,6 +276,10 @@ impl<'a> Scene<'a> {
                     "A choice is written `condition ? value : other`.",
                 ))
             }
+            Token::In if self.at == 0 => Some(said(
+                "`in` is a word of the language",
+                "A variable needs another name; to loop over a vector, write `for name in vector`.",
+            )),
             Token::In => Some(said(
                 "`in` is a word of `for` and `param`, and no operator",
                 "To loop over a vector, write `for name in vector`.",
@@ -307,7 +317,8 @@ impl<'a> Scene<'a> {
         // The first word may be a keyword with a slip in it.
         if self.at == 1 && before.1 == Token::Name {
             if let Some(keyword) = nearest_keyword(word) {
-                answer.places.push((Span::new(self.source, before.0, before.2), format!("`{keyword}`?")));
+                answer.message = format!("`{word}` starts no statement");
+                answer.place = Some(Span::new(self.source, before.0, before.2));
                 answer.hints.push(format!("Did you mean `{keyword}`?"));
                 return answer;
             }
@@ -321,16 +332,22 @@ impl<'a> Scene<'a> {
             return answer;
         }
         match (before.1, self.found, here) {
+            (_, Token::Number, Some(number)) if number.0 == before.2 => {
+                answer.hints.push(format!("The first component is `{word}[1]`, or `{word}.x`."));
+            }
+            (_, Token::Comma, _) => {
+                answer.hints.push("A vector is written in `[ ]`: `[1 2]`.".to_string());
+            }
+            (_, Token::Number | Token::Name | Token::Text | Token::OpenSquare, _)
+                if self.open().is_some_and(|t| t.1 == Token::OpenParen) && self.expects(",") =>
+            {
+                answer.hints.push("Arguments are separated by `,`.".to_string());
+            }
             (Token::Number, Token::Name, Some(name)) | (Token::CloseParen, Token::Name, Some(name)) => {
                 answer.hints.push(format!("To multiply, write `… * {}`.", self.word(name)));
             }
             (_, Token::Number | Token::Name | Token::Separator, _) if self.open().is_none() => {
                 answer.hints.push("A vector is written in `[ ]`: `[1 0 0]`.".to_string());
-            }
-            (_, Token::Number | Token::Name | Token::Text | Token::OpenSquare, _)
-                if self.open().is_some_and(|t| t.1 == Token::OpenParen) =>
-            {
-                answer.hints.push("Arguments are separated by `,`.".to_string());
             }
             _ => {}
         }
@@ -363,6 +380,9 @@ impl<'a> Scene<'a> {
             }
             (Token::Assign, Token::EndOfLine) => {
                 answer.message = "the value is missing after `=`".to_string();
+            }
+            (Token::OpenParen | Token::OpenSquare, Token::Comma) => {
+                answer.hints = vec!["Delete the `,`, or put something before it.".to_string()];
             }
             (Token::Comma, Token::Comma) => {
                 answer.message = "something is missing between these commas".to_string();

@@ -5,8 +5,8 @@
 //! one around every function. Numbers, strings and round brackets stay as they were written.
 //! A comment inside an expression that has no line of its own there moves to the line above.
 //!
-//! The form is a fixed point, and has the same tree: both are checked before it is given out, so that a fault here
-//! can never change a program.
+//! The printed text is parsed again, and given out only if it has the same tree: a fault here can never change
+//! a program.
 
 use super::ast::*;
 use super::dump::tree;

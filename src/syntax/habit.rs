@@ -32,10 +32,14 @@ pub struct Place {
     pub first: bool,
     /// The token before it on the line ends an operand.
     pub after_operand: bool,
+    /// The token before it is the `.` of a member.
+    pub after_dot: bool,
     /// The next token, blanks skipped.
     pub next: Option<Token>,
     /// No bracket is open.
     pub outside: bool,
+    /// The line starts with `for`.
+    pub in_for: bool,
     /// The line starts with `if`, `while` or another word that takes a block.
     pub header: bool,
 }
@@ -101,6 +105,11 @@ pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
             "The end of the line ends it; a second statement goes on a line of its own.",
             Tokens(if place.last() { &[] } else { &[Token::EndOfLine] }),
         ),
+        Token::Semicolon if place.in_for => habit(
+            "`for` goes through the elements of a vector",
+            "Write `for i in [1 .. 10]`; for counting with a condition there is `while`.",
+            Unknown,
+        ),
         Token::Semicolon => habit(
             "`;` separates nothing",
             "Elements are separated by blanks, and rows are vectors of their own: `[[1 2] [3 4]]`.",
@@ -123,7 +132,7 @@ pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
         ),
         Token::BadNumber => Some(bad_number(text)),
         Token::Unknown => Some(unknown(text, place)),
-        Token::Name => word(text, place),
+        Token::Name if !place.after_dot => word(text, place),
         Token::Colon if place.header && place.last() && place.outside => habit(
             "no colon before a block",
             "Leave the `:` out; the indented lines below are the block.",
@@ -249,7 +258,7 @@ fn unknown(text: &str, place: &Place) -> Habit {
         '“' | '”' | '„' | '‘' | '’' | '«' | '»' | '`' | '\'' => (
             format!("`{first}` is not a quotation mark of the language"),
             "Write a string in plain double quotes: \"name\".".to_string(),
-            Unknown,
+            if text.chars().count() > 1 { Tokens(&[Token::Text]) } else { Unknown },
         ),
         '\u{a0}' | '\u{2000}'..='\u{200b}' | '\u{202f}' | '\u{3000}' | '\u{feff}' => (
             format!("a character that only looks like a blank (U+{:04X})", first as u32),

@@ -32,6 +32,9 @@ pub struct Layout {
     pub comments: Vec<Comment>,
     /// What is wrong so far.
     pub errors: Vec<Diagnostic>,
+    /// Lines that need a block and have none: where each starts and ends, and the error. If the line itself is
+    /// at fault, that is what counts.
+    pub blockless: Vec<(usize, usize, Diagnostic)>,
     /// The text stops inside a bracket, or before the block of its last line.
     pub incomplete: bool,
     /// A bracket is open at the end.
@@ -49,6 +52,7 @@ pub fn layout(source: SourceId, text: &str) -> Layout {
         next: 0,
         comments: Vec::new(),
         errors: Vec::new(),
+        blockless: Vec::new(),
         habits: Vec::new(),
         open_at_end: false,
     };
@@ -84,6 +88,7 @@ pub fn layout(source: SourceId, text: &str) -> Layout {
         tokens: blocks.out,
         comments: reader.comments,
         errors: reader.errors,
+        blockless: reader.blockless,
         incomplete: header || reader.open_at_end,
         open_bracket: reader.open_at_end,
         in_block,
@@ -98,6 +103,7 @@ pub struct Reader<'a> {
     pub(super) next: usize,
     pub(super) comments: Vec<Comment>,
     pub(super) errors: Vec<Diagnostic>,
+    blockless: Vec<(usize, usize, Diagnostic)>,
     /// Messages on habits, with the error that each made: one error names all places.
     pub(super) habits: Vec<(String, usize)>,
     /// A bracket was open at the end of the text.
@@ -178,23 +184,27 @@ impl<'a> Blocks<'a> {
         }
         // A fault: take the level that looks nearest, and remember the text as another name for it.
         let shown = |level: &Level| width(level.indent).abs_diff(width(indent));
-        let nearest = (0..self.levels.len()).rev().min_by_key(|&i| shown(&self.levels[i])).unwrap_or(0);
+        // An `else` belongs to a line around the block that it ends.
+        let is_else = line.tokens.first().is_some_and(|t| t.1 == Token::Else);
+        let open = if is_else { self.levels.len().max(2) - 1 } else { self.levels.len() };
+        let nearest = (0..open).rev().min_by_key(|&i| shown(&self.levels[i])).unwrap_or(0);
         if self.top().indent.starts_with(indent) {
-            let mut error = Diagnostic::error(
-                "syntax",
-                "this line is indented less than its block, but as no line around it",
-                reader.span(start, at),
-            )
-            .label(reader.span(start, at), format!("{} here", blanks(indent)));
-            for level in self.levels.iter().rev().take(2).rev() {
-                let text = match level.indent {
-                    "" => "an outer line: no indent".to_string(),
-                    indent => format!("a line of a block: {}", blanks(indent)),
-                };
-                let span = reader.span(level.start, level.start + level.indent.len());
-                error = error.label(span, text);
+            let mut error =
+                Diagnostic::error("syntax", "the indent of this line fits no block", reader.span(start, at))
+                    .label(reader.span(start, at), format!("{} here", blanks(indent)));
+            let top = self.top();
+            if !top.indent.is_empty() {
+                let span = reader.span(top.start, top.start + top.indent.len());
+                error = error.label(span, format!("{} in the block above", blanks(top.indent)));
             }
-            reader.errors.push(error.hint("Give all lines of one block the same indent."));
+            let inner = self.levels.iter().find(|l| l.indent.len() > indent.len()).unwrap_or(top);
+            let outer = self.levels.iter().rfind(|l| l.indent.len() < indent.len()).unwrap_or(top);
+            let hint = format!(
+                "All lines of a block have the same indent: here {} for the block, or {} for the lines around it.",
+                blanks(inner.indent),
+                blanks(outer.indent),
+            );
+            reader.errors.push(error.hint(hint));
         } else {
             let top = self.top();
             reader.errors.push(
@@ -238,12 +248,14 @@ impl<'a> Blocks<'a> {
             let mut error =
                 Diagnostic::error("syntax", format!("`{word}` has no block"), reader.span(start, end));
             let first = next.and_then(|n| n.tokens.first());
-            if let Some(&(start, first, end)) = first.filter(|t| t.1 != Token::Else) {
-                if first != token {
-                    error = error.label(reader.span(start, end), "this line is not indented");
-                }
+            if let Some(&(start, first, end)) = first
+                && first != token
+                && first != Token::Else
+            {
+                error = error.label(reader.span(start, end), "this line is not indented");
             }
-            reader.errors.push(error.hint("Indent the lines that belong to it, by four blanks."));
+            let error = error.hint("Indent the lines that belong to it, by four blanks.");
+            reader.blockless.push((start, self.out.last().map_or(end, |t| t.2), error));
         }
         let at = self.out.last().map_or(end, |t| t.2);
         self.out.push((at, Token::Indent, at));

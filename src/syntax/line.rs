@@ -29,6 +29,8 @@ pub struct Line {
 /// An open bracket (or the line itself), with bounds on the depth of the tree inside it.
 struct Frame {
     open: Option<Lexeme>,
+    /// It is a call's or an index's: in the tree a link of the chain that it stands in, not a node by itself.
+    postfix: bool,
     /// How many operators the element has so far.
     operators: u32,
     /// The deepest bracket of the element so far.
@@ -38,8 +40,8 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(open: Option<Lexeme>) -> Frame {
-        Frame { open, operators: 0, inner: 0, deepest: 0 }
+    fn new(open: Option<Lexeme>, postfix: bool) -> Frame {
+        Frame { open, postfix, operators: 0, inner: 0, deepest: 0 }
     }
 
     fn is(&self, token: Token) -> bool {
@@ -52,7 +54,7 @@ impl Frame {
     }
 
     fn next_element(&mut self) {
-        *self = Frame { deepest: self.depth(), ..Frame::new(self.open) };
+        *self = Frame { deepest: self.depth(), ..Frame::new(self.open, self.postfix) };
     }
 }
 
@@ -75,7 +77,7 @@ impl State<'_> {
 
     fn top(&mut self) -> &mut Frame {
         if self.frames.is_empty() {
-            self.frames.push(Frame::new(None));
+            self.frames.push(Frame::new(None, false));
         }
         let last = self.frames.len() - 1;
         &mut self.frames[last]
@@ -89,7 +91,7 @@ impl<'a> Reader<'a> {
         let mut state = State {
             line: Line { tokens: Vec::new(), unreadable: false, end: (end, end) },
             indent,
-            frames: vec![Frame::new(None)],
+            frames: vec![Frame::new(None, false)],
             blank: false,
             too_deep: false,
             questions: 0,
@@ -148,12 +150,12 @@ impl<'a> Reader<'a> {
         let word = &self.text[start..end];
         let bracket = "An expression goes on over the end of a line only inside `( )` or `[ ]`.";
         if infix && state.line.tokens.len() > 1 {
-            let what = if token.is_assignment() { "the value is missing" } else { "nothing follows" };
+            let what = if token.is_assignment() { "the value is missing after" } else { "nothing follows" };
             state.line.unreadable = true;
             self.errors.push(
                 Diagnostic::error(
                     "syntax",
-                    format!("{what} after `{word}` at the end of the line"),
+                    format!("{what} `{word}` at the end of the line"),
                     self.span(start, end),
                 )
                 .hint(bracket),
@@ -258,12 +260,17 @@ impl<'a> Reader<'a> {
         let place = Place {
             first: state.line.tokens.is_empty(),
             after_operand: state.last().is_some_and(|t| t.1.ends_operand()),
+            after_dot: state.last().is_some_and(|t| t.1 == Token::Dot),
             next: self.raw[self.next..].iter().map(|l| l.token).find(|t| *t != Token::Blank),
             outside: state.frames.len() == 1,
+            in_for: state.line.tokens.first().is_some_and(|t| t.1 == Token::For),
             header: state.line.tokens.first().is_some_and(|t| t.1.opens_block()) && state.questions == 0,
         };
         if let Some(found) = habit::find(token, &self.text[start..end], &place) {
-            self.report_habit(lexeme, &found);
+            // A line that is given up gets no more messages that only guess.
+            if !(state.line.unreadable && found.meant == Meant::Unknown) {
+                self.report_habit(lexeme, &found);
+            }
             match found.meant {
                 Meant::Unknown => state.line.unreadable = true,
                 Meant::Tokens(tokens) => {
@@ -305,64 +312,11 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// One error for each kind of habit, which names all its places.
-    fn report_habit(&mut self, lexeme: Lexeme, found: &habit::Habit) {
-        let span = self.span(lexeme.start, lexeme.end);
-        if let Some((_, error)) = self.habits.iter().find(|(m, _)| *m == found.message) {
-            let error = &mut self.errors[*error];
-            if error.labels.len() < 5 {
-                error.labels.push(crate::diagnostic::Label { span, text: "and here".into() });
-            }
-            return;
-        }
-        if self.habits.len() < 100 {
-            self.habits.push((found.message.clone(), self.errors.len()));
-        }
-        self.errors.push(
-            Diagnostic::error("syntax", found.message.clone(), span)
-                .label(span, found.label)
-                .hint(found.hint.clone()),
-        );
-    }
-
     /// Skips what is left of the line, as a comment would be; drops the operator that was put for it.
     fn skip_line(&mut self, state: &mut State) {
         state.line.tokens.pop();
         while self.raw.get(self.next).is_some_and(|t| t.token != Token::Newline) {
             self.next += 1;
-        }
-    }
-
-    fn check_number(&mut self, lexeme: Lexeme) {
-        let text = &self.text[lexeme.start..lexeme.end];
-        if text.parse::<f32>().is_ok_and(f32::is_infinite) {
-            self.errors.push(
-                Diagnostic::error(
-                    "syntax",
-                    format!("`{text}` is too large"),
-                    self.span(lexeme.start, lexeme.end),
-                )
-                .hint("The largest number is about 3.4e38; for infinity write 1/0."),
-            );
-        }
-    }
-
-    fn check_escapes(&mut self, lexeme: Lexeme) {
-        let text = &self.text[lexeme.start..lexeme.end];
-        let mut chars = text.char_indices();
-        while let Some((at, c)) = chars.next() {
-            let Some((_, escaped)) = (if c == '\\' { chars.next() } else { None }) else { continue };
-            if !matches!(escaped, '"' | '\\' | 'n' | 't') {
-                let start = lexeme.start + at;
-                self.errors.push(
-                    Diagnostic::error(
-                        "syntax",
-                        format!("`\\{escaped}` means nothing in a string"),
-                        self.span(start, start + 1 + escaped.len_utf8()),
-                    )
-                    .hint("For a backslash write `\\\\`; a path may be written with `/`."),
-                );
-            }
         }
     }
 
@@ -401,8 +355,8 @@ impl<'a> Reader<'a> {
         let after_operand = state.last().is_some_and(|t| t.1.ends_operand());
         match token {
             Token::OpenParen | Token::OpenSquare => {
-                state.top().operators += 1;
-                state.frames.push(Frame::new(Some(lexeme)));
+                state.top().operators += u32::from(after_operand);
+                state.frames.push(Frame::new(Some(lexeme), after_operand));
                 if state.frames.len() > MAX_BRACKETS + 1 {
                     let message = format!("brackets are nested more than {MAX_BRACKETS} deep");
                     self.too_deep(state, lexeme, message);
@@ -495,7 +449,7 @@ impl<'a> Reader<'a> {
                 state.frames.truncate(matching + 1);
             }
         }
-        let depth = state.top().depth() + 1;
+        let depth = state.top().depth() + u32::from(!state.top().postfix);
         state.frames.pop();
         let outer = state.top();
         outer.inner = outer.inner.max(depth);

@@ -11,6 +11,7 @@ mod actions;
 pub mod ast;
 mod dump;
 mod error;
+mod flat;
 mod format;
 mod habit;
 mod layout;
@@ -19,6 +20,7 @@ mod parse;
 mod print;
 mod token;
 mod walk;
+mod word;
 
 pub use dump::tree;
 pub use format::format;
@@ -26,3 +28,8 @@ pub use layout::MAX_BLOCKS;
 pub use line::{MAX_BRACKETS, MAX_DEPTH};
 pub use parse::{MAX_ERRORS, MAX_TEXT, Parsed, is_incomplete, parse};
 pub use walk::{parse_expression, set_source, set_span, signature};
+
+#[cfg(test)]
+mod format_tests;
+#[cfg(test)]
+mod tests;

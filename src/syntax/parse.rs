@@ -77,6 +77,13 @@ pub(super) fn read(source: SourceId, text: &str) -> Whole {
     };
     let mut errors = std::mem::take(&mut laid.errors);
     faults.sort_by_key(Fault::start);
+    for (start, end, error) in laid.blockless {
+        let faulty = |f: &Fault| (start..=end).contains(&f.start());
+        let first = faults.partition_point(|f| f.start() < start);
+        if !faults.get(first).is_some_and(faulty) {
+            errors.push(error);
+        }
+    }
     errors.extend(faults.into_iter().take(MAX_ERRORS).map(|f| error::explain(f, source, text, &laid.tokens)));
     errors.sort_by_key(|e| e.span().map_or(0, |s| s.start));
     errors.truncate(MAX_ERRORS);

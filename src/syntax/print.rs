@@ -1,6 +1,7 @@
 //! Prints one statement: on one line if it fits, else broken inside its brackets.
 
 use super::ast::*;
+use super::flat::{Inside, flat};
 use super::layout::Comment;
 use crate::diagnostic::Span;
 
@@ -10,24 +11,15 @@ const WIDTH: usize = 100;
 /// Prints a statement that starts at some column.
 pub struct Printer<'a> {
     text: &'a str,
-    /// The comments inside the statement.
-    comments: &'a [Comment],
-    /// Which of them are printed where they stand.
+    /// All comments inside the statement.
+    all: &'a [Comment],
+    /// Those that can stay where they are: before, after or between the elements of a `[ ]` or a call.
+    comments: Vec<Comment>,
+    /// Which of these are printed.
     placed: Vec<bool>,
     out: String,
     /// The column that the next character comes to.
     at: usize,
-}
-
-/// Where an expression stands.
-#[derive(Clone, Copy, PartialEq)]
-enum Inside {
-    /// Outside all brackets: the line cannot break at an operator.
-    Line,
-    /// The innermost bracket is `(`.
-    Round,
-    /// The innermost bracket is `[`, where blanks separate.
-    Square,
 }
 
 /// The column, from 0, of a byte of the text.
@@ -39,13 +31,21 @@ pub fn column(text: &str, at: usize) -> usize {
 impl<'a> Printer<'a> {
     /// A printer for the statement that holds `comments`.
     pub fn new(text: &'a str, comments: &'a [Comment], indent: usize) -> Printer<'a> {
-        Printer { text, comments, placed: vec![false; comments.len()], out: String::new(), at: indent }
+        Printer {
+            text,
+            all: comments,
+            comments: Vec::new(),
+            placed: Vec::new(),
+            out: String::new(),
+            at: indent,
+        }
     }
 
     /// The statement, without its first indent, and the comments that found no place in it.
     pub fn finish(self) -> (String, Vec<Comment>) {
-        let left = self.comments.iter().zip(&self.placed).filter(|(_, placed)| !**placed);
-        (self.out, left.map(|(c, _)| *c).collect())
+        let mut stay = self.comments.iter().peekable();
+        let hoisted = self.all.iter().filter(|c| stay.next_if_eq(c).is_none()).copied().collect();
+        (self.out, hoisted)
     }
 
     /// Adds text that has no line break.
@@ -56,7 +56,39 @@ impl<'a> Printer<'a> {
 
     /// Adds an expression outside all brackets.
     pub fn expr(&mut self, e: &Expr) {
+        self.find_places(e);
+        self.placed.resize(self.comments.len(), false);
         self.print(e, Inside::Line, 0);
+    }
+
+    /// Collects the comments inside `e` that can stay, in order.
+    fn find_places(&mut self, e: &Expr) {
+        match &*e.kind {
+            ExprKind::Vector(elements) => self.find_between(elements, e.span),
+            ExprKind::Call(_, arguments) => self.find_between(arguments, e.span),
+            ExprKind::Group(a) | ExprKind::Member(a, _) | ExprKind::Unary(_, a) => self.find_places(a),
+            ExprKind::Index(a, b) | ExprKind::Binary(_, a, b) | ExprKind::Range(a, b) => {
+                self.find_places(a);
+                self.find_places(b);
+            }
+            ExprKind::Conditional(a, b, c) => [a, b, c].into_iter().for_each(|e| self.find_places(e)),
+            _ => {}
+        }
+    }
+
+    fn find_between<T: HasSpan>(&mut self, items: &[T], span: Span) {
+        let mut from = span.start;
+        for item in items {
+            self.find_in(from, item.span().start);
+            self.find_places(item.value());
+            from = item.span().end;
+        }
+        self.find_in(from, span.end);
+    }
+
+    fn find_in(&mut self, from: u32, to: u32) {
+        let first = self.all.partition_point(|c| c.start < from as usize);
+        self.comments.extend(self.all[first..].iter().take_while(|c| c.end <= to as usize));
     }
 
     /// Adds a function's header.
@@ -69,7 +101,7 @@ impl<'a> Printer<'a> {
             let mut item = name.text.clone();
             if let Some(default) = default {
                 item += " = ";
-                item += &self.flat(default, Inside::Round);
+                item += &flat(self.text, default, Inside::Round);
             }
             let width = item.chars().count() + 1;
             if i > 0 {
@@ -89,7 +121,7 @@ impl<'a> Printer<'a> {
                 for access in &target.path {
                     match access {
                         Access::Index(i) => {
-                            let index = self.flat(i, Inside::Square);
+                            let index = flat(self.text, i, Inside::Square);
                             self.put(&format!("[{index}]"));
                         }
                         Access::Member(name) => self.put(&format!(".{}", name.text)),
@@ -141,7 +173,7 @@ impl<'a> Printer<'a> {
     /// Prints `e`, after which `after` more columns are needed.
     fn print(&mut self, e: &Expr, inside: Inside, after: usize) {
         if !self.has_comment(e.span) {
-            let flat = self.flat(e, inside);
+            let flat = flat(self.text, e, inside);
             if self.at + flat.chars().count() + after <= WIDTH || !breakable(e, inside) {
                 return self.put(&flat);
             }
@@ -204,7 +236,7 @@ impl<'a> Printer<'a> {
                 self.print(b, inside, after);
             }
             _ => {
-                let flat = self.flat(e, inside);
+                let flat = flat(self.text, e, inside);
                 self.put(&flat);
             }
         }
@@ -256,6 +288,8 @@ impl<'a> Printer<'a> {
             for comment in own {
                 if i > 0 || open_comment {
                     self.new_line(column);
+                } else {
+                    self.put("  ");
                 }
                 self.comment(comment);
                 open_comment = true;
@@ -284,6 +318,8 @@ impl<'a> Printer<'a> {
         for comment in self.take_comments(from, span.end) {
             if !items.is_empty() || open_comment {
                 self.new_line(column);
+            } else {
+                self.put("  ");
             }
             self.comment(comment);
             open_comment = true;
@@ -295,7 +331,7 @@ impl<'a> Printer<'a> {
 
     fn flat_item<T: HasSpan>(&self, item: &T, inside: Inside) -> usize {
         let name = item.label().map_or(0, |n| n.chars().count() + 3);
-        name + self.flat(item.value(), inside).chars().count()
+        name + flat(self.text, item.value(), inside).chars().count()
     }
 
     fn comment(&mut self, comment: Comment) {
@@ -324,86 +360,6 @@ impl<'a> Printer<'a> {
         }
         self.placed[i] = true;
         Some(comment)
-    }
-
-    /// `e` on one line.
-    fn flat(&self, e: &Expr, inside: Inside) -> String {
-        let mut out = String::new();
-        self.flat_into(e, inside, &mut out);
-        out
-    }
-
-    fn flat_into(&self, e: &Expr, inside: Inside, out: &mut String) {
-        match &*e.kind {
-            ExprKind::Number(_) | ExprKind::Text(_) => out.push_str(self.written(e.span)),
-            ExprKind::Name(name) => out.push_str(name),
-            ExprKind::Member(v, name) => {
-                self.flat_into(v, inside, out);
-                out.push('.');
-                out.push_str(&name.text);
-            }
-            ExprKind::Index(v, i) => {
-                self.flat_into(v, inside, out);
-                out.push('[');
-                self.flat_into(i, Inside::Square, out);
-                out.push(']');
-            }
-            ExprKind::Call(name, arguments) => {
-                out.push_str(&name.text);
-                out.push('(');
-                for (i, argument) in arguments.iter().enumerate() {
-                    if i > 0 {
-                        out.push_str(", ");
-                    }
-                    if let Some(name) = &argument.name {
-                        out.push_str(&name.text);
-                        out.push_str(" = ");
-                    }
-                    self.flat_into(&argument.value, Inside::Round, out);
-                }
-                out.push(')');
-            }
-            ExprKind::Unary(op, e) => {
-                out.push_str(op.symbol());
-                self.flat_into(e, inside, out);
-            }
-            ExprKind::Binary(op, a, b) => {
-                self.flat_into(a, inside, out);
-                let blank = if inside == Inside::Square { "" } else { " " };
-                out.push_str(blank);
-                out.push_str(op.symbol());
-                out.push_str(blank);
-                self.flat_into(b, inside, out);
-            }
-            ExprKind::Conditional(c, a, b) => {
-                self.flat_into(c, inside, out);
-                out.push_str(" ? ");
-                self.flat_into(a, inside, out);
-                out.push_str(" : ");
-                self.flat_into(b, inside, out);
-            }
-            ExprKind::Vector(elements) => {
-                out.push('[');
-                for (i, e) in elements.iter().enumerate() {
-                    if i > 0 {
-                        out.push(' ');
-                    }
-                    self.flat_into(e, Inside::Square, out);
-                }
-                out.push(']');
-            }
-            ExprKind::Range(a, b) => {
-                self.flat_into(a, inside, out);
-                out.push_str(" .. ");
-                self.flat_into(b, inside, out);
-            }
-            ExprKind::Group(e) => {
-                out.push('(');
-                self.flat_into(e, Inside::Round, out);
-                out.push(')');
-            }
-            ExprKind::Error => {}
-        }
     }
 }
 

@@ -197,6 +197,11 @@ pub fn lex(text: &str) -> Vec<Lexeme> {
         let token = match result {
             Ok(token) => token,
             Err(()) => {
+                if let Some(rest) = typographic_string(&text[start..]) {
+                    lexer.bump(rest - (end - start));
+                    list.push(Lexeme { token: Token::Unknown, start, end: start + rest });
+                    continue;
+                }
                 let rest = letters(&text[end..]);
                 let foreign = text[start..end].chars().all(char::is_alphabetic);
                 if !foreign {
@@ -227,6 +232,16 @@ pub fn lex(text: &str) -> Vec<Lexeme> {
         list.push(Lexeme { token, start, end });
     }
     list
+}
+
+/// How many bytes at the start of `text` are a string in typographic quotes.
+fn typographic_string(text: &str) -> Option<usize> {
+    let mut chars = text.char_indices();
+    chars.next().filter(|(_, c)| matches!(c, '“' | '”' | '„' | '‘' | '’' | '«' | '»'))?;
+    chars
+        .take_while(|(_, c)| !matches!(c, '\n' | '\r'))
+        .find(|(_, c)| matches!(c, '“' | '”' | '‘' | '’' | '«' | '»'))
+        .map(|(i, c)| i + c.len_utf8())
 }
 
 /// How many bytes at the start of `text` are letters, digits or `_`.

@@ -9,7 +9,7 @@ mod pixel;
 mod plane;
 mod shapes;
 
-pub use mask::Mask;
+pub use mask::{Mask, Width};
 pub use pixel::PixelValue;
 pub use plane::{Lanes, Plane, live_bytes};
 pub use shapes::{Mismatch, binary, broadcast_shape, map_cells, map1, map3};

@@ -202,7 +202,7 @@ fn light_bends_as_snell_says() {
             let code =
                 format!("refract([sin(radians({degrees})) -cos(radians({degrees})) 0], [0 1 0], {ratio})");
             let bent: Vec<f32> = value(&code).unwrap().lane(0).collect();
-            let sine = f64::from(ratio) * libm::sin(f64::from(degrees).to_radians());
+            let sine = ratio * libm::sin(f64::from(degrees).to_radians());
             if sine > 1.0 {
                 assert_eq!(bent, [0.0; 3]);
             } else {
