@@ -84,8 +84,9 @@ impl<'r> Machine<'r> {
         let values = self.arguments(args, mask)?;
         let call =
             builtin::Call { isa: self.isa, n: self.n, mask, args: &values, max_cells: self.limits.cells };
-        let value =
-            builtin.apply(&call).map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
+        let value = builtin
+            .apply(&call)
+            .map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
         if value.planes.len() > 4 {
             self.check_memory()?;
         }
