@@ -25,9 +25,9 @@ fn main() {
     for f in &args[1..] {
         let text = std::fs::read_to_string(f).unwrap();
         let p = Program::compile(&text).unwrap_or_else(|e| panic!("{e}"));
-        for batch in [128, 256, 512, 1024] {
+        for batch in [512] {
             let mut best = f64::MAX;
-            for _ in 0..5 {
+            for _ in 0..7 {
                 let t = cpu();
                 let r = p
                     .run(&image, &RunOptions { threads: Some(1), batch: Some(batch), ..Default::default() })

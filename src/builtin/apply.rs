@@ -9,12 +9,8 @@ use crate::value::{self, Lanes, Mismatch, Plane, Planes, Value};
 impl Builtin {
     /// Computes the value of a call, whatever the form of the kernel.
     pub fn apply(&self, call: &Call<'_>) -> Result<Value, Fault> {
-        let differ = |m: Mismatch| {
-            Fault::new(format!(
-                "{} meets vectors of different lengths, {} and {}",
-                self.name, m.left, m.right
-            ))
-        };
+        let differ =
+            |m: Mismatch| Fault::new(format!("vectors of different lengths, {} and {}", m.left, m.right));
         let args = call.args;
         let value = match self.kernel {
             Form::Map1(kernel) => value::map1(&args[0], |a| call.map1(a, kernel)),
