@@ -1,1 +1,92 @@
+//! The `pse` command: its arguments, and one file for each thing that it does.
+//!
+//! A command gives `Ok`, or a [`failure::Failure`] that knows its message and its exit status. What people
+//! asked for goes to standard output, what is said about the work to standard error.
 
+mod ast;
+mod check;
+mod completions;
+pub mod doc;
+mod failure;
+mod fmt;
+mod frames;
+mod info;
+mod input;
+mod output;
+mod progress;
+mod region;
+mod run;
+mod source;
+mod stats;
+mod view;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  pse run -e 'white * Noise(8 * point)'        paint the built-in donut, into out.png
+  pse run marble.pse -i gbuffer.exr -o a.png   run a program on a renderer's G-buffer
+  pse run marble.pse --set veins=6 -o a.exr    set one of its params
+  pse scene --list                             the built-in G-buffers
+  pse info gbuffer.exr                         what is in a file, and what programs call it
+  pse doc Noise                                what a function does
+
+Exit status: 0 if all went well, 1 if a program or a file is at fault, 2 if the arguments are.";
+
+/// The pixel stream editor: runs a small program at every pixel of an image
+#[derive(Debug, Parser)]
+#[command(name = "pse", version, after_help = EXAMPLES, disable_help_subcommand = false)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a program at every pixel of an image
+    Run(Box<run::RunArgs>),
+    /// Write the G-buffer of a built-in scene, or list the scenes
+    Scene(view::SceneArgs),
+    /// Tell what an image file holds, and what programs call it
+    Info(info::InfoArgs),
+    /// Look for mistakes in programs without running them
+    Check(check::CheckArgs),
+    /// Bring programs into their canonical form
+    Fmt(fmt::FmtArgs),
+    /// Explain a function or another name of the language
+    Doc(doc::DocArgs),
+    /// Show how a program was understood, as a tree
+    Ast(ast::AstArgs),
+    /// Print the completions for a shell
+    Completions(completions::CompletionsArgs),
+}
+
+/// Does what the arguments say, and tells how it ended.
+pub fn run(cli: Cli) -> ExitCode {
+    let outcome = match cli.command {
+        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Scene(args)) => view::scene(&args),
+        Some(Command::Info(args)) => info::info(&args),
+        Some(Command::Check(args)) => check::check(&args),
+        Some(Command::Fmt(args)) => fmt::fmt(&args),
+        Some(Command::Doc(args)) => doc::doc(&args),
+        Some(Command::Ast(args)) => ast::ast(&args),
+        Some(Command::Completions(args)) => completions::completions(&args),
+        None => failure::print(&Cli::command().render_help().to_string()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_well_formed() {
+        Cli::command().debug_assert();
+    }
+}

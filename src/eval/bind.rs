@@ -284,6 +284,11 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
                 Some(near) => error.hint(format!("Did you mean {near}?")),
                 None => error.hint(format!("Give it a value in a line above: {name} = 1.")),
             };
+            if let Some(missing) = bound.missing {
+                // The host may know of variables that it did not load.
+                let hints = missing(name).into_iter();
+                return Some(hints.filter(|h| !h.starts_with("Did you mean")).fold(error, Diagnostic::hint));
+            }
             let has = bound.has.join(", ");
             Some(if bound.has.is_empty() { error } else { error.hint(format!("The input has {has}.")) })
         })

@@ -1,0 +1,28 @@
+//! `pse ast`: how a program was understood.
+
+use super::failure::{Failure, print};
+use super::source::ProgramArgs;
+use crate::diagnostic::Sources;
+use crate::program::Error;
+use crate::syntax;
+use clap::Args;
+
+/// Which program.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pse ast marble.pse\n  pse ast -e 'color = -x ^ 2'")]
+pub(super) struct AstArgs {
+    #[command(flatten)]
+    program: ProgramArgs,
+}
+
+/// Prints the tree.
+pub(super) fn ast(args: &AstArgs) -> Result<(), Failure> {
+    let (name, text) = args.program.read()?;
+    let mut sources = Sources::default();
+    let id = sources.add(name, text.as_str());
+    let parsed = syntax::parse(id, &text);
+    if !parsed.errors.is_empty() {
+        return Err(Error { diagnostics: parsed.errors, sources, cancelled: false }.into());
+    }
+    print(&syntax::tree(&parsed.module))
+}

@@ -1,0 +1,143 @@
+//! `pse check`: what is wrong with programs, without running them.
+
+use super::failure::{Failure, style, warn};
+use super::input::{InputArg, Inputs, MapArg};
+use super::source;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::program::{Error, Program};
+use crate::resolve::names;
+use crate::scene::{self, Options};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Which programs, and what they are to fit.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pse check *.pse\n  pse check marble.pse -i gbuffer.exr\n  \
+                        pse check bubble.pse --scene bubble\n\n\
+                        Without an image the usual variables of G-buffers (point, normal, surface, …) are taken \
+                        for granted.")]
+pub(super) struct CheckArgs {
+    /// The programs; - is standard input
+    #[arg(required = true, value_name = "PROGRAM")]
+    programs: Vec<PathBuf>,
+    /// The images whose variables they may read
+    #[arg(short, long, value_name = "FILE|NAME=FILE", conflicts_with = "scene")]
+    input: Vec<InputArg>,
+    /// The built-in scene whose variables they may read
+    #[arg(long, value_name = "NAME")]
+    scene: Option<String>,
+    /// Read a variable from other channels than the names suggest
+    #[arg(long, value_name = "NAME=CHANNELS", requires = "input")]
+    map: Vec<MapArg>,
+    /// Look for imported files in this folder too
+    #[arg(long, value_name = "DIR")]
+    path: Vec<PathBuf>,
+    /// Say so if all is well
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+/// What the image of a program has.
+enum Known {
+    /// Nothing is known of it.
+    Usual,
+    /// Exactly these variables.
+    Scene(Vec<String>),
+    /// What these files have.
+    Files(Inputs),
+}
+
+/// Checks each of the programs.
+pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let known = match &args.scene {
+        Some(name) => {
+            let options = Options { width: 2, height: 2, ..Options::default() };
+            let image = scene::render(name, &options)?;
+            Known::Scene(image.variables.iter().map(|v| v.name.clone()).collect())
+        }
+        None if args.input.is_empty() => Known::Usual,
+        None => Known::Files(Inputs::open(&args.input, &args.map, false, None)?),
+    };
+    let mut good = true;
+    for path in &args.programs {
+        if let Err(failure) = one(path, &args.path, &known) {
+            failure.report();
+            good = false;
+        }
+    }
+    if !good {
+        return Err(Failure::Said);
+    }
+    if args.verbose {
+        let n = args.programs.len();
+        warn(&format!("{n} program{} checked", if n == 1 { "" } else { "s" }));
+    }
+    Ok(())
+}
+
+fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(), Failure> {
+    let (name, text) = source::read(path)?;
+    let program = source::compile(&name, &text, folders)?;
+    let diagnostics = inputs(&program, known);
+    if diagnostics.is_empty() {
+        return Ok(());
+    }
+    let bad = diagnostics.iter().any(|d| d.severity == Severity::Error);
+    let error = Error { diagnostics, sources: program.sources().clone(), cancelled: false };
+    if bad {
+        return Err(error.into());
+    }
+    warn(error.render(style()).trim_end());
+    Ok(())
+}
+
+/// What is to be said of the names that a program reads and does not assign.
+fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
+    let mut list = Vec::new();
+    for name in program.inputs() {
+        if names::constant(name).is_some() || names::is_system(name) {
+            continue;
+        }
+        let global = program.resolved().globals.iter().find(|g| g.name == name && !g.library);
+        let Some(span) = global.and_then(|g| g.read) else { continue };
+        let own = program.assigned().chain(program.resolved().params.iter().map(|p| p.name.as_str()));
+        let fixed = names::CONSTANTS.iter().map(|c| c.name).chain(names::SYSTEM.iter().map(|s| s.0));
+        let absent = |d: &str| Diagnostic::error("input", d.to_string(), span);
+        match known {
+            Known::Usual if names::USUAL_INPUTS.contains(&name) || name.contains('.') => {}
+            Known::Usual => {
+                let usual = names::USUAL_INPUTS.iter().copied();
+                match names::nearest(name, own.chain(fixed).chain(usual)) {
+                    Some(near) => list.push(
+                        Diagnostic::error("name", format!("there is no variable {name}"), span)
+                            .hint(format!("Did you mean {near}?")),
+                    ),
+                    None => list.push(
+                        Diagnostic::error("name", format!("nothing in the program assigns {name}"), span)
+                            .hint("It runs on images that have a variable of that name.")
+                            .warning(),
+                    ),
+                }
+            }
+            Known::Scene(has) if has.iter().any(|v| v == name) => {}
+            Known::Scene(has) => {
+                let error = absent(&format!("the scene has no variable {name}"));
+                let near = names::nearest(name, own.chain(fixed).chain(has.iter().map(String::as_str)));
+                let error = match near {
+                    Some(near) => error.hint(format!("Did you mean {near}?")),
+                    None => error,
+                };
+                list.push(error.hint(format!("It has {}.", has.join(", "))));
+            }
+            Known::Files(inputs) => {
+                let (message, hints) = match inputs.find(name) {
+                    None => (format!("the input has no variable {name}"), inputs.missing(name)),
+                    Some(Ok(())) => continue,
+                    Some(Err(ambiguous)) => (ambiguous.message, ambiguous.hints),
+                };
+                list.push(hints.into_iter().fold(absent(&message), Diagnostic::hint));
+            }
+        }
+    }
+    list
+}

@@ -1,0 +1,152 @@
+//! `pse doc`: the reference in the terminal.
+
+use super::failure::{Failure, print};
+use crate::builtin::reference::{self, Entry};
+use crate::resolve::{library_entries, names};
+use clap::Args;
+use std::fmt::Write;
+
+/// What to explain.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pse doc\n  pse doc smoothstep\n  pse doc pixelsize\n  \
+                        pse doc --markdown > docs/builtins.md")]
+pub(super) struct DocArgs {
+    /// A function, a constant, or another name of the language; without it all are listed
+    name: Option<String>,
+    /// The whole reference in Markdown
+    #[arg(long, conflicts_with = "name")]
+    markdown: bool,
+}
+
+/// What G-buffers usually hold, as `names::USUAL_INPUTS` lists it.
+static INPUTS: &[(&str, &str)] = &[
+    ("surface", "the number of the surface that is seen, 0 where there is none"),
+    ("point", "where the surface is, a point in space"),
+    ("normal", "which way the surface faces, a unit vector"),
+    ("uv", "where on the surface, in its own coordinates"),
+    ("depth", "the distance along the view axis"),
+    ("color", "the image's own colour, linear"),
+    ("alpha", "how much of the pixel is covered"),
+    ("albedo", "the surface's colour without light"),
+    ("motion", "how far the surface moves in the picture"),
+    ("I", "the direction from the eye through the pixel"),
+    ("dPdu", "how point changes with the first of uv"),
+    ("dPdv", "how point changes with the second of uv"),
+];
+
+/// Every function, built-in or of the library, in the order of the documentation.
+pub fn entries() -> Vec<Entry> {
+    let mut all = reference::entries();
+    all.extend(library_entries().map(|e| Entry {
+        group: group(e.file),
+        name: e.name.clone(),
+        signature: e.signature.clone(),
+        brief: e.brief.clone(),
+        doc: e.doc.clone(),
+        examples: e.examples.clone(),
+    }));
+    all
+}
+
+/// `library/waves.pse` as a heading.
+fn group(file: &str) -> String {
+    let stem = file.trim_start_matches("library/").trim_end_matches(".pse");
+    format!("Library: {}", stem.replace('_', " "))
+}
+
+/// The whole reference: `docs/builtins.md`.
+pub fn markdown() -> String {
+    let mut text = reference::markdown(&entries());
+    // Writing to a string cannot fail.
+    for (title, lines) in names_by_group() {
+        let _ = write!(text, "\n## {title}\n\n| name | what it is |\n|---|---|\n");
+        for (name, brief) in lines {
+            let _ = writeln!(text, "| `{name}` | {brief} |");
+        }
+    }
+    text
+}
+
+/// The names that are no functions.
+fn names_by_group() -> Vec<(&'static str, Vec<(&'static str, String)>)> {
+    let own = |list: &'static [(&'static str, &'static str)]| {
+        list.iter().map(|(name, brief)| (*name, brief.to_string())).collect()
+    };
+    let constants = names::CONSTANTS.iter().map(|c| (c.name, format!("{}: {}", value(c), c.brief)));
+    vec![
+        ("Constants", constants.collect()),
+        ("What every program can read", own(names::SYSTEM)),
+        ("What images usually hold", own(INPUTS)),
+    ]
+}
+
+fn value(constant: &names::Constant) -> String {
+    match constant.value {
+        [x] => format!("{x}"),
+        vector => format!("[{}]", vector.iter().map(f32::to_string).collect::<Vec<_>>().join(" ")),
+    }
+}
+
+/// Prints the explanation, the list, or the whole reference.
+pub(super) fn doc(args: &DocArgs) -> Result<(), Failure> {
+    match &args.name {
+        _ if args.markdown => print(&markdown()),
+        Some(name) => explain(name),
+        None => print(&list()),
+    }
+}
+
+fn explain(name: &str) -> Result<(), Failure> {
+    // People copy the brackets along.
+    let name = name.trim().trim_end_matches("()");
+    let entries = entries();
+    if let Some(entry) = entries.iter().find(|e| e.name == name) {
+        return print(&reference::describe(entry));
+    }
+    let groups = names_by_group();
+    let others = || groups.iter().flat_map(|(title, lines)| lines.iter().map(move |l| (*title, l)));
+    if let Some((title, (name, brief))) = others().find(|(_, (n, _))| *n == name) {
+        return print(&format!("{name}\n\n{brief}\n({title})\n"));
+    }
+    let known = entries.iter().map(|e| e.name.as_str()).chain(others().map(|(_, (n, _))| *n));
+    let failure = Failure::plain(format!("there is no function or name {name}"));
+    Err(match names::nearest(name, known) {
+        Some(near) => failure.hint(format!("Did you mean {near}?")),
+        None => failure.hint("pse doc lists them all."),
+    })
+}
+
+/// All names by group, a line each.
+fn list() -> String {
+    let entries = entries();
+    let mut text = String::new();
+    let mut last = "";
+    for entry in &entries {
+        if entry.group != last {
+            let gap = if last.is_empty() { "" } else { "\n" };
+            let _ = writeln!(text, "{gap}{}", entry.group);
+            last = &entry.group;
+        }
+        line(&mut text, &entry.name, &entry.brief);
+    }
+    for (title, lines) in names_by_group() {
+        let _ = writeln!(text, "\n{title}");
+        lines.iter().for_each(|(name, brief)| line(&mut text, name, brief));
+    }
+    text
+}
+
+fn line(text: &mut String, name: &str, brief: &str) {
+    let _ = writeln!(text, "  {name:16}  {brief}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_usual_inputs_are_explained() {
+        let explained: Vec<&str> = INPUTS.iter().map(|(n, _)| *n).collect();
+        assert_eq!(explained, names::USUAL_INPUTS);
+    }
+}

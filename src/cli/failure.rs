@@ -1,0 +1,118 @@
+//! How a command fails: what it says, and with which exit status.
+
+use crate::diagnostic::{Diagnostic, Sources, Style};
+use crate::image::ImageError;
+use crate::program::Error;
+use crate::scene::SceneError;
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+/// Why a command did not do what was asked.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// A program is wrong, or went wrong.
+    Program(Box<Error>),
+    /// A file or the like is wrong.
+    Plain(Box<Diagnostic>),
+    /// The arguments contradict each other, in a way that clap cannot see.
+    Usage(Box<Diagnostic>),
+    /// All is said already.
+    Said,
+    /// Nobody reads standard output any more, which is no fault.
+    BrokenPipe,
+}
+
+impl Failure {
+    /// A fault of a file or of the surroundings.
+    pub fn plain(message: impl Into<String>) -> Failure {
+        Failure::Plain(Box::new(Diagnostic::bare("file", message)))
+    }
+
+    /// A fault of the arguments.
+    pub fn usage(message: impl Into<String>) -> Failure {
+        Failure::Usage(Box::new(Diagnostic::bare("usage", message)))
+    }
+
+    /// Adds a way to mend it.
+    pub fn hint(mut self, text: impl Into<String>) -> Failure {
+        if let Failure::Plain(diagnostic) | Failure::Usage(diagnostic) = &mut self {
+            diagnostic.hints.push(text.into());
+        }
+        self
+    }
+
+    /// Says it on standard error.
+    pub fn report(self) -> ExitCode {
+        match self {
+            Failure::Program(error) => warn(error.render(style()).trim_end()),
+            Failure::Plain(diagnostic) => show(&diagnostic),
+            Failure::Usage(diagnostic) => {
+                show(&diagnostic);
+                return ExitCode::from(2);
+            }
+            Failure::Said => {}
+            Failure::BrokenPipe => return ExitCode::SUCCESS,
+        }
+        ExitCode::FAILURE
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Failure {
+        Failure::Program(Box::new(error))
+    }
+}
+
+impl From<ImageError> for Failure {
+    fn from(error: ImageError) -> Failure {
+        match error.is_broken_pipe() {
+            true => Failure::BrokenPipe,
+            false => Failure::Plain(Box::new(error.into())),
+        }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Failure {
+        Failure::Plain(Box::new(error.diagnostic()))
+    }
+}
+
+/// How messages look on this standard error.
+pub(super) fn style() -> Style {
+    let wanted = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+    let terminal = io::stderr().is_terminal();
+    let columns = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok());
+    let width = columns.filter(|_| terminal).unwrap_or(Style::PLAIN.width);
+    Style { color: terminal && wanted, width: width.clamp(40, 120) }
+}
+
+/// A message without a place in a program.
+pub(super) fn show(diagnostic: &Diagnostic) {
+    warn(diagnostic.render(&Sources::default(), style()).trim_end());
+}
+
+/// A line on standard error. If that is closed there is nobody to tell.
+pub(super) fn warn(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// A text on standard output, as it is.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|e| match e.kind() {
+        io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
+        _ => Failure::plain(format!("cannot write standard output: {e}")),
+    })
+}
+
+/// Why the operating system refused, in few words.
+pub(super) fn why(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file".into(),
+        io::ErrorKind::PermissionDenied => "permission denied".into(),
+        io::ErrorKind::IsADirectory => "it is a directory".into(),
+        io::ErrorKind::InvalidData => "it is no UTF-8 text".into(),
+        _ => error.to_string(),
+    }
+}

@@ -1,0 +1,112 @@
+//! Frame numbers: lists of them, and their places in file names.
+
+use std::str::FromStr;
+
+/// The most frames of one run.
+const MAX_FRAMES: usize = 1_000_000;
+
+/// Frame numbers in the order in which they are run: `1-24`, `1,5,9`, `1-20x2`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Frames(pub Vec<i64>);
+
+impl FromStr for Frames {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Frames, String> {
+        const FORM: &str = "write 1-24, 1,5,9 or 1-20x2";
+        let number = |t: &str| {
+            t.trim().parse::<u32>().map(i64::from).map_err(|_| format!("`{t}` is no frame; {FORM}"))
+        };
+        let mut frames = Vec::new();
+        for part in text.split(',') {
+            let (range, step) = match part.split_once('x') {
+                Some((range, step)) => (range, number(step)?),
+                None => (part, 1),
+            };
+            if step == 0 {
+                return Err(format!("a step of 0 goes nowhere; {FORM}"));
+            }
+            let (first, last) = match range.split_once('-') {
+                Some((first, last)) => (number(first)?, number(last)?),
+                None => (number(range)?, number(range)?),
+            };
+            let count = (first.abs_diff(last) / step as u64 + 1) as usize;
+            if frames.len().saturating_add(count) > MAX_FRAMES {
+                return Err(format!("more than {MAX_FRAMES} frames"));
+            }
+            let step = if last < first { -step } else { step };
+            frames.extend((0..count as i64).map(|i| first + i * step));
+        }
+        Ok(Frames(frames))
+    }
+}
+
+/// The first pattern in a name: where it is, and how many digits it wants. Patterns are `####`, `@@@@` (two or
+/// more; `#` may also be one), `%d` and `%04d`.
+fn pattern(name: &str) -> Option<(std::ops::Range<usize>, usize)> {
+    let bytes = name.as_bytes();
+    let mut i = 0;
+    while i < bytes.len() {
+        let c = bytes[i];
+        if c == b'#' || c == b'@' {
+            let run = bytes[i..].iter().take_while(|b| **b == c).count();
+            if c == b'#' || run > 1 {
+                return Some((i..i + run, run));
+            }
+            i += run;
+            continue;
+        }
+        if c == b'%' {
+            let digits = bytes[i + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
+            if bytes.get(i + 1 + digits) == Some(&b'd') {
+                let width = name[i + 1..i + 1 + digits].parse().unwrap_or(1);
+                return Some((i..i + digits + 2, usize::min(width, 20)));
+            }
+        }
+        i += 1;
+    }
+    None
+}
+
+/// Has the name a place for the frame's number?
+pub(super) fn has_pattern(name: &str) -> bool {
+    pattern(name).is_some()
+}
+
+/// The name with the frame's number in each such place.
+pub(super) fn fill(name: &str, frame: i64) -> String {
+    let mut text = String::new();
+    let mut rest = name;
+    while let Some((range, width)) = pattern(rest) {
+        text.push_str(&rest[..range.start]);
+        text.push_str(&format!("{frame:0width$}"));
+        rest = &rest[range.end..];
+    }
+    text + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_ranges_and_steps() {
+        let frames = |t: &str| t.parse::<Frames>().map(|f| f.0);
+        assert_eq!(frames("1-4"), Ok(vec![1, 2, 3, 4]));
+        assert_eq!(frames("1,5,9"), Ok(vec![1, 5, 9]));
+        assert_eq!(frames("1-8x3,20"), Ok(vec![1, 4, 7, 20]));
+        assert_eq!(frames("3-1"), Ok(vec![3, 2, 1]));
+        for text in ["", "a", "1-", "1-3x0", "1-4000000000", "1,,2", "1-2-3"] {
+            assert!(frames(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn patterns_are_filled() {
+        assert_eq!(fill("a.####.exr", 7), "a.0007.exr");
+        assert_eq!(fill("a_%04d.exr", 12345), "a_12345.exr");
+        assert_eq!(fill("a_%d@@.exr", 3), "a_303.exr");
+        assert_eq!(fill("me@home 100%.exr", 3), "me@home 100%.exr");
+        assert!(has_pattern("#.png") && !has_pattern("a@b%.png"));
+    }
+}

@@ -1,0 +1,92 @@
+//! The files that come out: whether they can be written, and what of a run goes into them.
+
+use super::failure::Failure;
+use crate::image::{self, Format, Image, WriteOptions};
+use crate::program::Program;
+use crate::shape::Shape;
+use std::borrow::Cow;
+use std::io::IsTerminal;
+use std::path::Path;
+
+/// Finds out before the work whether a file can be written at all.
+pub(super) fn check(path: &Path) -> Result<Format, Failure> {
+    let format = Format::of(path)?;
+    if path.as_os_str() == "-" {
+        if std::io::stdout().is_terminal() {
+            return Err(Failure::plain("an EXR file is not for the terminal's eyes")
+                .hint("Send it to a file or a program: … -o - | pse run other.pse -i - -o out.png."));
+        }
+        return Ok(format);
+    }
+    let shown = path.display();
+    if path.is_dir() {
+        return Err(Failure::plain(format!("cannot write `{shown}`: it is a directory")));
+    }
+    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
+        let folder = folder.display();
+        let message = format!("cannot write `{shown}`: there is no directory `{folder}`");
+        return Err(Failure::plain(message).hint(format!("Make it first: mkdir -p '{folder}'.")));
+    }
+    Ok(format)
+}
+
+/// What messages call it.
+pub(super) fn shown(path: &Path) -> String {
+    match path.as_os_str() == "-" {
+        true => "standard output".into(),
+        false => path.display().to_string(),
+    }
+}
+
+/// The one variable, other than `color`, that pictures are to show; `None` if `color` is shown.
+///
+/// A picture needs a colour. Where the program gives none, the user has to say what to show instead.
+pub(super) fn shown_variable(
+    program: &Program,
+    vars: Option<&[String]>,
+    picture: &str,
+) -> Result<Option<String>, Failure> {
+    let by_normal = program.resolved().by_normal.is_some();
+    let no_color = |what: &str| Failure::plain(format!("cannot write `{picture}`: {what}"));
+    let assigned: Vec<&str> = program.assigned().collect();
+    match vars {
+        Some(vars) if vars.iter().any(|v| v == "color") => Ok(None),
+        Some([one]) => Ok(Some(one.clone())),
+        Some(vars) => {
+            Err(no_color(&format!("a picture shows color or one variable, not {}", vars.join(" and ")))
+                .hint("An .exr file holds them all."))
+        }
+        None if by_normal || assigned.contains(&"color") || assigned.is_empty() => Ok(None),
+        None => Err(no_color("the program assigns no color")
+            .hint(format!("It assigns {}.", assigned.join(", ")))
+            .hint(format!(
+                "Show one of them with --vars {0}, add a line color = {0}, or write an .exr file, \
+                 which holds any variable.",
+                assigned.last().unwrap_or(&"…")
+            ))),
+    }
+}
+
+/// The image as a picture shows it: the variable `name` as its colour.
+pub(super) fn picture<'a>(image: &'a Image<'a>, name: &str) -> Result<Image<'a>, Failure> {
+    let Some(variable) = image.variable(name) else { return Ok(image.clone()) };
+    if !matches!(variable.shape, Shape::Scalar | Shape::Vector(3 | 4)) {
+        let message = format!("{name} is {}, which no picture shows", variable.shape);
+        return Err(Failure::plain(message)
+            .hint("A picture shows a scalar (as grey) or a vector of 3 or 4 (as a colour)."));
+    }
+    let mut color = variable.clone();
+    color.name = "color".into();
+    color.planes = variable.planes.iter().map(|p| Cow::Borrowed(&**p)).collect();
+    Ok(Image {
+        width: image.width,
+        height: image.height,
+        variables: vec![color],
+        metadata: image.metadata.clone(),
+    })
+}
+
+/// Writes an image.
+pub(super) fn write(path: &Path, image: &Image<'_>, options: &WriteOptions) -> Result<(), Failure> {
+    Ok(image::write(path, image, options)?)
+}

@@ -1,0 +1,160 @@
+//! The arguments of `pse run`.
+
+use crate::cli::frames::Frames;
+use crate::cli::input::{InputArg, MapArg};
+use crate::cli::region::Region;
+use crate::cli::source::ProgramArgs;
+use crate::cli::view::ViewArgs;
+use crate::image::WriteOptions;
+use crate::program::Limits;
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  pse run marble.pse                                        the built-in donut, into marble.png
+  pse run marble.pse -i gbuffer.exr -o marble.exr -o marble.png
+  pse run -e 'n = Noise(8 * point)' -e 'white * n' --scene vase --size 480x640
+  pse run marble.pse --set veins=6 --set tint='[1 0.8 0.6]'
+  pse run fire.pse -i fg.####.exr -i bg=sky.png -o fire.####.png --frames 1-24
+  pse run a.pse -i g.exr -o - | pse run b.pse -i - -o b.png
+
+Pictures (.png .jpg .tif .hdr .bmp .tga .webp) show color. Of a program that assigns none, they show the one
+variable that --vars names: a scalar as grey, a vector of 3 as a colour. An .exr file holds any variable.
+
+Without -i and --scene, the built-in donut is used. PSE_SIMD=baseline or avx2 in the environment chooses the
+instruction set; the result is the same.";
+
+/// What to run, on what, and where to.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(in crate::cli) struct RunArgs {
+    #[command(flatten)]
+    pub program: ProgramArgs,
+    /// Set a param (or an input variable) to an expression: veins=6, tint='[1 0 0]'
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+
+    /// An image to run on; - is standard input. With NAME=, its variables are NAME.point, NAME.color, …
+    #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
+    pub input: Vec<InputArg>,
+    /// A built-in scene to run on; see pse scene --list
+    #[arg(long, value_name = "NAME", help_heading = "Input")]
+    pub scene: Option<String>,
+    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
+    #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
+    pub map: Vec<MapArg>,
+    /// Take PNG, JPEG and the like as plain numbers, and write them so: no sRGB curve either way
+    #[arg(long, help_heading = "Input")]
+    pub raw: bool,
+    /// How far apart pixels lie in the space of point, instead of what point tells
+    #[arg(long, value_name = "SIZE", help_heading = "Input")]
+    pub pixelsize: Option<f32>,
+    /// The number of the frame
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Input",
+        conflicts_with = "frames",
+        allow_negative_numbers = true
+    )]
+    pub frame: Option<f32>,
+    /// Several frames: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
+    #[arg(long, value_name = "LIST", help_heading = "Input")]
+    pub frames: Option<Frames>,
+
+    #[command(flatten)]
+    pub view: ViewArgs,
+
+    /// A file to write, several if repeated; the extension tells the format. PROGRAM.png if not given; - is standard
+    /// output, as EXR
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    pub output: Vec<PathBuf>,
+    /// The variables to write, with commas between; color if not given, or all if the program assigns none
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Output")]
+    pub vars: Option<Vec<String>>,
+    /// Compute only these pixels: x0,y0,x1,y1 (x1 and y1 are one past the last) or WxH+X+Y
+    #[arg(long, value_name = "REGION", help_heading = "Output", allow_hyphen_values = true)]
+    pub region: Option<Region>,
+    /// EXR: 16-bit floats, but for surface, point and depth
+    #[arg(long, help_heading = "Output")]
+    pub half: bool,
+    /// PNG and TIFF: bits a component; 32 is for TIFF, as floats
+    #[arg(long, value_name = "8|16|32", value_parser = bits, help_heading = "Output")]
+    pub bits: Option<u8>,
+    /// Let an output replace an input
+    #[arg(long, help_heading = "Output")]
+    pub force: bool,
+    /// Say nothing but errors
+    #[arg(short, long, help_heading = "Output")]
+    pub quiet: bool,
+
+    /// Threads; as many as the machine has if not given
+    #[arg(long, value_name = "N", value_parser = positive, help_heading = "Speed")]
+    pub threads: Option<usize>,
+    /// Say how long reading, running and writing took, and what ran
+    #[arg(long, help_heading = "Speed")]
+    pub stats: bool,
+    /// Run so many times in memory, and tell the median time of a pixel. Writes only to -o
+    #[arg(long, value_name = "N", value_parser = positive, help_heading = "Speed")]
+    pub repeat: Option<usize>,
+    /// Lanes of a batch
+    #[arg(long, value_name = "N", value_parser = positive, hide = true)]
+    pub batch: Option<usize>,
+
+    #[command(flatten)]
+    pub limits: LimitArgs,
+}
+
+/// What a pixel may use up.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Limits")]
+pub(in crate::cli) struct LimitArgs {
+    /// Rounds of loops and calls of functions at a pixel
+    #[arg(long, value_name = "N", default_value_t = Limits::default().steps)]
+    max_steps: u32,
+    /// Calls inside of calls
+    #[arg(long, value_name = "N", default_value_t = Limits::default().depth)]
+    max_depth: u32,
+    /// Scalars in a vector
+    #[arg(long, value_name = "N", default_value_t = Limits::default().cells)]
+    max_vector: usize,
+    /// Megabytes of values that a thread holds
+    #[arg(long, value_name = "MB", default_value_t = Limits::default().memory >> 20)]
+    max_memory: usize,
+}
+
+impl LimitArgs {
+    /// As the evaluator takes them.
+    pub fn limits(&self) -> Limits {
+        Limits {
+            steps: self.max_steps,
+            depth: self.max_depth,
+            cells: self.max_vector,
+            memory: self.max_memory.saturating_mul(1 << 20),
+        }
+    }
+}
+
+impl RunArgs {
+    /// How files are written.
+    pub fn write_options(&self) -> WriteOptions {
+        WriteOptions { half: self.half, bits: self.bits, raw: self.raw, ..WriteOptions::default() }
+    }
+}
+
+fn bits(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        "32" => Ok(32),
+        _ => Err("a component has 8, 16 or 32 bits".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (1..=1 << 16).contains(n))
+        .ok_or("give a whole number from 1 to 65536".into())
+}

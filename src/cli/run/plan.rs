@@ -1,0 +1,222 @@
+//! What a run is to do, settled before any pixel is read.
+
+use super::RunArgs;
+use crate::cli::failure::{Failure, warn};
+use crate::cli::{frames, output, source};
+use crate::diagnostic::SourceId;
+use crate::image::{Format, same_file};
+use crate::lanes::Isa;
+use crate::program::{Program, RunOptions};
+use crate::syntax;
+use crate::value::PixelValue;
+use std::path::{Path, PathBuf};
+
+/// The scene for who names no image.
+const DEFAULT_SCENE: &str = "donut";
+
+/// A frame to run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    /// What the program reads as `frame`.
+    pub value: f32,
+    /// What stands in file names, if frames were asked for.
+    pub number: Option<i64>,
+}
+
+/// A file to write.
+pub(super) struct Output {
+    /// Where.
+    pub path: PathBuf,
+    /// As its extension says.
+    pub format: Format,
+}
+
+/// A run.
+pub(super) struct Plan {
+    /// The program's name in messages.
+    pub name: String,
+    /// The program.
+    pub program: Program,
+    /// Values of params.
+    pub set: Vec<(String, PixelValue)>,
+    /// The variables to write, if they were named.
+    pub vars: Option<Vec<String>>,
+    /// The variable that pictures show instead of color.
+    pub shown: Option<String>,
+    /// The variables to read.
+    pub wanted: Vec<String>,
+    /// How many pixels about a region the program needs to know.
+    pub around: i64,
+    /// The built-in scene.
+    pub scene: Option<String>,
+    /// At least one.
+    pub frames: Vec<Frame>,
+    /// The instruction set.
+    pub isa: Isa,
+    /// The names of the outputs, as given or by default.
+    paths: Vec<PathBuf>,
+}
+
+impl Plan {
+    /// Finds out all that can be wrong before the work begins.
+    pub fn new(args: &RunArgs) -> Result<Plan, Failure> {
+        let isa = match std::env::var("PSE_SIMD") {
+            Ok(name) => Isa::from_name(&name).map_err(|e| Failure::usage(format!("PSE_SIMD: {e}")))?,
+            Err(_) => Isa::detect(),
+        };
+        if args.program.is_stdin() && args.input.iter().any(|i| i.path == "-") {
+            return Err(Failure::usage("the program and an image cannot both be standard input"));
+        }
+        if args.input.iter().filter(|i| i.path == "-").count() > 1 {
+            return Err(Failure::usage("two images cannot both be standard input"));
+        }
+        let frames = frames(args)?;
+        let paths = paths(args, frames.len());
+        let still = |path: &&PathBuf| !frames::has_pattern(&path.to_string_lossy());
+        if let Some(path) = paths.iter().find(still).filter(|_| frames.len() > 1) {
+            let shown = output::shown(path);
+            let failure = Failure::usage(format!("{} frames cannot all be written to {shown}", frames.len()));
+            return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
+        }
+        let (name, text) = args.program.read()?;
+        let program = source::compile(&name, &text, &args.program.path)?;
+        let vars = args.vars.as_ref().map(|v| v.iter().map(|v| v.trim().to_string()).collect::<Vec<_>>());
+        let mut shown = None;
+        for path in &paths {
+            if Format::of(path)? != Format::Exr {
+                let picture = path.display().to_string();
+                shown = output::shown_variable(&program, vars.as_deref(), &picture)?;
+            }
+        }
+        if let Some(threads) = args.threads {
+            // Scenes and files use this pool too. It is built once; a second try changes nothing.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        }
+        let near = reads_neighbours(&program) && args.pixelsize.is_none();
+        Ok(Plan {
+            wanted: wanted(&program, vars.as_deref().unwrap_or_default(), near),
+            around: if near { 2 } else { 0 },
+            set: args.set.iter().map(|s| set(s)).collect::<Result<_, _>>()?,
+            scene: scene(args)?,
+            name,
+            program,
+            vars,
+            shown,
+            frames,
+            isa,
+            paths,
+        })
+    }
+
+    /// The files of a frame, each of which can be written and is no input.
+    pub fn outputs(&self, args: &RunArgs, frame: Option<i64>) -> Result<Vec<Output>, Failure> {
+        let name = |path: &Path| -> PathBuf {
+            frame.map_or_else(|| path.to_path_buf(), |f| frames::fill(&path.to_string_lossy(), f).into())
+        };
+        let mut outputs: Vec<Output> = Vec::new();
+        for path in &self.paths {
+            let path = name(path);
+            let format = output::check(&path)?;
+            let program = args.program.program.as_deref();
+            let inputs = args.input.iter().map(|i| name(Path::new(&i.path)));
+            if let Some(input) = inputs.into_iter().find(|i| same_file(i, &path)).filter(|_| !args.force) {
+                let shown = path.display();
+                let message = format!("the output `{shown}` is the input `{}`", input.display());
+                return Err(Failure::plain(message).hint("Write to another file, or add --force."));
+            }
+            if program.is_some_and(|p| same_file(p, &path)) {
+                return Err(Failure::plain(format!("the output `{}` is the program", path.display())));
+            }
+            if outputs.iter().any(|o| o.path == path) {
+                return Err(Failure::usage(format!("two outputs are called {}", output::shown(&path))));
+            }
+            outputs.push(Output { path, format });
+        }
+        Ok(outputs)
+    }
+}
+
+/// The frames to run.
+fn frames(args: &RunArgs) -> Result<Vec<Frame>, Failure> {
+    if let Some(list) = &args.frames {
+        return Ok(list.0.iter().map(|&n| Frame { value: n as f32, number: Some(n) }).collect());
+    }
+    let value = args.frame.unwrap_or(0.0);
+    if !value.is_finite() {
+        return Err(Failure::usage(format!("{value} is no frame")));
+    }
+    let number = args.frame.filter(|f| f.fract() == 0.0).map(|f| f as i64);
+    Ok(vec![Frame { value, number }])
+}
+
+/// The names of the files to write.
+fn paths(args: &RunArgs, frames: usize) -> Vec<PathBuf> {
+    if !args.output.is_empty() || args.repeat.is_some() {
+        return args.output.clone();
+    }
+    let stem = args.program.stem();
+    vec![if frames > 1 { format!("{stem}.####.png") } else { format!("{stem}.png") }.into()]
+}
+
+/// The scene to run on, if any.
+fn scene(args: &RunArgs) -> Result<Option<String>, Failure> {
+    if args.scene.is_some() && args.input.iter().any(|i| i.name.is_none()) {
+        return Err(Failure::usage("--scene and an image without a name are two inputs for one")
+            .hint("Leave out one of them, or name the image: -i bg=FILE."));
+    }
+    if let Some(name) = &args.scene {
+        crate::scene::find(name)?;
+        return Ok(Some(name.clone()));
+    }
+    if !args.input.is_empty() {
+        return match args.view.is_given() {
+            true => Err(Failure::usage("--size, --eye, --look-at, --fov and --scale need a --scene")
+                .hint("An image has the size and the view that it has.")),
+            false => Ok(None),
+        };
+    }
+    if !args.quiet {
+        warn(&format!(
+            "no input: running on the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"
+        ));
+    }
+    Ok(Some(DEFAULT_SCENE.into()))
+}
+
+/// Does it read what depends on a pixel's neighbours?
+fn reads_neighbours(program: &Program) -> bool {
+    let near = |name: &str| matches!(name, "pixelsize" | "pixel_freq");
+    program.resolved().globals.iter().any(|g| g.read.is_some() && near(&g.name))
+}
+
+/// The variables that the program may take from an image.
+fn wanted(program: &Program, vars: &[String], near: bool) -> Vec<String> {
+    // A variable that is only assigned at some pixels keeps the image's value at the others.
+    let own = program.resolved().globals.iter().filter(|g| !g.library && g.framed.is_none());
+    let near = ["point", "surface"].into_iter().filter(|_| near);
+    let mut names: Vec<String> = Vec::new();
+    for name in own.map(|g| g.name.as_str()).chain(vars.iter().map(String::as_str)).chain(near) {
+        if !names.iter().any(|n| n == name) {
+            names.push(name.to_string());
+        }
+    }
+    names
+}
+
+/// `name=expression`: the name, and what the expression gives.
+fn set(text: &str) -> Result<(String, PixelValue), Failure> {
+    let form = "Write it as --set veins=6, or --set tint='[1 0.8 0.6]'.";
+    let Some((name, expression)) = text.split_once('=') else {
+        return Err(Failure::usage(format!("--set {text} has no =")).hint(form));
+    };
+    let (name, expression) = (name.trim(), expression.trim());
+    let program = source::compile(&format!("--set {name}"), expression, &[])?;
+    // Only then is the value that of `color`, whatever the names in it.
+    if syntax::parse_expression(SourceId::default(), expression).is_none() {
+        return Err(Failure::usage(format!("--set {name}: `{expression}` is no value")).hint(form));
+    }
+    let values = program.eval_pixel(&[], &RunOptions::default())?;
+    let value = values.into_iter().find(|(name, _)| name == "color").map(|(_, value)| value);
+    let value = value.ok_or_else(|| Failure::usage(format!("--set {name}: there is no value")).hint(form))?;
+    Ok((name.to_string(), value))
+}

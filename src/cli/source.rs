@@ -1,0 +1,72 @@
+//! The program that a command works on: a file, standard input, or lines of the command line.
+
+use super::failure::{Failure, why};
+use crate::host::Disk;
+use crate::program::{Compiler, Program};
+use clap::Args;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Which program.
+#[derive(Debug, Args)]
+pub(super) struct ProgramArgs {
+    /// The program's file; - is standard input
+    #[arg(required_unless_present = "lines", conflicts_with = "lines")]
+    pub program: Option<PathBuf>,
+    /// A line of the program instead of a file; repeat it for more lines
+    #[arg(short = 'e', long = "expression", value_name = "LINE", allow_hyphen_values = true)]
+    pub lines: Vec<String>,
+    /// Look for imported files in this folder too
+    #[arg(long, value_name = "DIR")]
+    pub path: Vec<PathBuf>,
+}
+
+impl ProgramArgs {
+    /// The program's name in messages, and its text.
+    pub fn read(&self) -> Result<(String, String), Failure> {
+        match &self.program {
+            Some(path) => read(path),
+            None => Ok(("<command line>".into(), self.lines.join("\n") + "\n")),
+        }
+    }
+
+    /// Does it come from standard input?
+    pub fn is_stdin(&self) -> bool {
+        self.program.as_ref().is_some_and(|p| p.as_os_str() == "-")
+    }
+
+    /// The program's name without folder and extension, for the names of pictures.
+    pub fn stem(&self) -> String {
+        let path = self.program.as_ref().filter(|_| !self.is_stdin());
+        path.and_then(|p| p.file_stem()).map_or("out".into(), |s| s.to_string_lossy().into_owned())
+    }
+}
+
+/// Compiles a text that may import files.
+pub(super) fn compile(name: &str, text: &str, path: &[PathBuf]) -> Result<Program, Failure> {
+    let host = Disk { path: path.to_vec() };
+    Ok(Compiler::new().host(&host).compile(name, text)?)
+}
+
+/// The name in messages and the text of a program's file, or of standard input for `-`.
+pub(super) fn read(path: &Path) -> Result<(String, String), Failure> {
+    if path.as_os_str() == "-" {
+        let mut text = String::new();
+        let read = std::io::stdin().lock().read_to_string(&mut text);
+        read.map_err(|e| Failure::plain(format!("cannot read standard input: {}", why(&e))))?;
+        return Ok(("<standard input>".into(), text));
+    }
+    let shown = path.display().to_string();
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok((shown, text)),
+        Err(e) => {
+            let failure = Failure::plain(format!("cannot read `{shown}`: {}", why(&e)));
+            Err(match e.kind() {
+                std::io::ErrorKind::InvalidData => {
+                    failure.hint("A program comes here. An image is given with -i.")
+                }
+                _ => failure,
+            })
+        }
+    }
+}

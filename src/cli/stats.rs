@@ -1,0 +1,67 @@
+//! Where the time of a run went.
+
+use super::failure::warn;
+use std::time::Duration;
+
+/// What is known about a run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Stats {
+    /// Reading or rendering the input.
+    pub read: Duration,
+    /// Running the program; each time that it ran.
+    pub runs: Vec<Duration>,
+    /// Writing the outputs.
+    pub write: Duration,
+    /// Pixels that it ran at.
+    pub pixels: usize,
+    /// Pixels that hold NaN or an infinity.
+    pub not_finite: usize,
+    /// Threads that ran.
+    pub threads: usize,
+    /// Lanes of a batch.
+    pub batch: usize,
+    /// The instruction set.
+    pub isa: &'static str,
+}
+
+impl Stats {
+    /// The time of a run: the median of all.
+    pub fn run(&self) -> Duration {
+        let mut runs = self.runs.clone();
+        runs.sort();
+        runs.get(runs.len() / 2).copied().unwrap_or_default()
+    }
+
+    /// Nanoseconds a pixel.
+    pub fn per_pixel(&self) -> f64 {
+        self.run().as_nanos() as f64 / self.pixels.max(1) as f64
+    }
+
+    /// Millions of pixels a second.
+    pub fn rate(&self) -> f64 {
+        self.pixels as f64 / 1e6 / self.run().as_secs_f64().max(1e-9)
+    }
+
+    /// Tells everything.
+    pub fn print(&self) {
+        let seconds = |d: Duration| format!("{:.4} s", d.as_secs_f64());
+        warn(&format!("read                 {}", seconds(self.read)));
+        warn(&format!("run                  {}", seconds(self.run())));
+        warn(&format!("write                {}", seconds(self.write)));
+        warn(&format!("time a pixel         {:.2} ns", self.per_pixel()));
+        warn(&format!("threads              {}", self.threads));
+        warn(&format!("batch                {}", self.batch));
+        warn(&format!("instruction set      {}", self.isa));
+        warn(&format!("NaN or infinity at   {} pixels", self.not_finite));
+        if let Some(peak) = peak_memory() {
+            warn(&format!("peak memory          {:.1} MB", peak as f64 / 1e6));
+        }
+    }
+}
+
+/// The most bytes of memory that this process has held, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
+}
