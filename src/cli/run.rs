@@ -25,6 +25,8 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let moving = args.input.iter().any(|i| super::frames::has_pattern(&i.path));
     let mut kept: Option<Loaded> = None;
     for &frame in &plan.frames {
+        // What cannot be written is said before the work.
+        let outputs = plan.outputs(args, frame.number)?;
         let start = Instant::now();
         // Files that are the same for all frames are read once.
         let first = kept.is_none();
@@ -33,7 +35,6 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
             None => Loaded::new(args, &plan, frame.number)?,
         };
         let read = start.elapsed();
-        let outputs = plan.outputs(args, frame.number)?;
         let (report, mut stats) = compute(args, &plan, &loaded, frame.value)?;
         stats.read = read;
         let start = Instant::now();

@@ -149,6 +149,16 @@ fn frames(args: &RunArgs) -> Result<Vec<Frame>, Failure> {
         return Err(Failure::usage(format!("{value} is no frame")));
     }
     let number = args.frame.filter(|f| f.fract() == 0.0).map(|f| f as i64);
+    let mut names = args.input.iter().map(|i| i.path.clone());
+    let mut outputs = args.output.iter().map(|o| o.to_string_lossy().into_owned());
+    if args.frame.is_some() && number.is_none() {
+        let pattern = |name: &String| frames::has_pattern(name);
+        if let Some(name) = names.find(pattern).or_else(|| outputs.find(pattern)) {
+            return Err(Failure::usage(format!(
+                "{name} has no place for frame {value}, only for whole numbers"
+            )));
+        }
+    }
     Ok(vec![Frame { value, number }])
 }
 
