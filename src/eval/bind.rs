@@ -12,9 +12,6 @@ use crate::value::{Mask, PixelValue, Value};
 use smallvec::smallvec;
 use std::sync::Arc;
 
-/// Says what a host knows of a variable that an image does not have, as hints to the user.
-pub type Missing = dyn Fn(&str) -> Vec<String> + Send + Sync;
-
 /// Where a variable's first value comes from.
 pub(super) enum Source<'r> {
     /// Nowhere: the program assigns it.
@@ -38,7 +35,7 @@ pub(super) struct Bound<'r> {
     width: usize,
     origin: [i32; 2],
     has: Vec<String>,
-    missing: Option<&'r Missing>,
+    missing: Option<&'r (dyn Fn(&str) -> Vec<String> + Sync)>,
 }
 
 impl Source<'_> {
