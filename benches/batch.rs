@@ -29,7 +29,10 @@ fn batches(c: &mut Criterion) {
         let program = Program::compile(text).expect("the workloads are programs");
         let mut group = c.benchmark_group(name);
         group.throughput(Throughput::Elements(960 * 540));
-        group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+        group
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(300))
+            .measurement_time(Duration::from_secs(1));
         for batch in [64, 128, 256, 512, 1024, 2048, 4096] {
             let options = RunOptions { threads: Some(1), batch: Some(batch), ..RunOptions::default() };
             group.bench_function(BenchmarkId::from_parameter(batch), |b| {

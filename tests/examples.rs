@@ -10,7 +10,11 @@ const SIZE: [u32; 2] = [96, 72];
 
 /// The command lines of an example.
 fn commands(text: &str) -> Vec<String> {
-    text.lines().filter_map(|l| l.strip_prefix("# ")).filter(|l| l.starts_with("pse run ")).map(String::from).collect()
+    text.lines()
+        .filter_map(|l| l.strip_prefix("# "))
+        .filter(|l| l.starts_with("pse run "))
+        .map(String::from)
+        .collect()
 }
 
 /// The same at the small size, with the tested binary. Frames are cut to three.

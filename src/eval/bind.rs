@@ -12,6 +12,9 @@ use crate::value::{Mask, PixelValue, Value};
 use smallvec::smallvec;
 use std::sync::Arc;
 
+/// Says what is known of a variable that an image does not have, as hints to the user.
+pub type Missing<'o> = dyn Fn(&str) -> Vec<String> + Sync + 'o;
+
 /// Where a variable's first value comes from.
 pub(super) enum Source<'r> {
     /// Nowhere: the program assigns it.
@@ -35,7 +38,7 @@ pub(super) struct Bound<'r> {
     width: usize,
     origin: [i32; 2],
     has: Vec<String>,
-    missing: Option<&'r (dyn Fn(&str) -> Vec<String> + Sync)>,
+    missing: Option<&'r Missing<'r>>,
 }
 
 impl Source<'_> {

@@ -17,12 +17,12 @@ const GROWTH: usize = 4 << 20;
 type Arguments = SmallVec<[Value; 4]>;
 
 impl<'r> Machine<'r> {
-    fn arguments(&mut self, args: &'r [Expr], mask: &Mask) -> Result<Arguments> {
-        let mut values = Arguments::new();
+    /// Computes arguments into `values`, where they stay: they are too large to be moved for nothing.
+    fn arguments(&mut self, args: &'r [Expr], mask: &Mask, values: &mut Arguments) -> Result<()> {
         for arg in args {
             values.push(self.eval(arg, mask)?);
         }
-        Ok(values)
+        Ok(())
     }
 
     /// A call whose value is wanted.
@@ -51,7 +51,8 @@ impl<'r> Machine<'r> {
         span: Span,
         mask: &Mask,
     ) -> Result<(Option<Value>, Mask)> {
-        let values = self.arguments(args, mask)?;
+        let mut values = Arguments::new();
+        self.arguments(args, mask, &mut values)?;
         self.step(mask, span)?;
         let program = self.program;
         let function = &program.functions[f as usize];
@@ -81,7 +82,8 @@ impl<'r> Machine<'r> {
         span: Span,
         mask: &Mask,
     ) -> Result<Value> {
-        let values = self.arguments(args, mask)?;
+        let mut values = Arguments::new();
+        self.arguments(args, mask, &mut values)?;
         let call =
             builtin::Call { isa: self.isa, n: self.n, mask, args: &values, max_cells: self.limits.cells };
         let value = builtin
@@ -128,7 +130,8 @@ impl<'r> Machine<'r> {
         span: Span,
         mask: &Mask,
     ) -> Result<Value> {
-        let values = self.arguments(args, mask)?;
+        let mut values = Arguments::new();
+        self.arguments(args, mask, &mut values)?;
         let failed = |machine: &Machine<'_>, why: String, lane: usize| {
             let error = Diagnostic::error("call", format!("{}(): {why}", host.name()), span);
             machine.fault(error, lane)

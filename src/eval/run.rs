@@ -1,6 +1,6 @@
 //! A program on a whole image: batches, threads, and what comes out.
 
-use super::bind::{Bound, bind};
+use super::bind::{Bound, Missing, bind};
 use super::fault::Fault;
 use super::limits::Limits;
 use super::machine::{Machine, Pixels};
@@ -54,7 +54,7 @@ pub struct Options<'o> {
     /// Called from any of the threads from time to time.
     pub progress: Option<&'o (dyn Fn(Progress) + Sync)>,
     /// Says what is known of a variable that the image does not have, as hints to the user.
-    pub missing: Option<&'o (dyn Fn(&str) -> Vec<String> + Sync)>,
+    pub missing: Option<&'o Missing<'o>>,
 }
 
 impl Options<'_> {

@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn planes_must_fit() {
-        let plane = vec![0.0; 6];
+        let plane = [0.0; 6];
         let good = Variable::new("depth", Shape::Scalar, [&plane[..]]);
         assert!(Image::new(3, 2, good.clone()).is_ok());
         assert!(matches!(

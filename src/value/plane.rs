@@ -1,14 +1,17 @@
 //! Planes of numbers, and the buffers they reuse.
 
 use bytemuck::{Pod, Zeroable};
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::fmt;
 use std::rc::Rc;
+
+/// Lanes that fill a cache line.
+const LINE: usize = 16;
 
 /// Sixteen lanes on a cache line of their own, so that vector loads never straddle two.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-struct Line([f32; 16]);
+struct Line([f32; LINE]);
 
 // SAFETY: sixteen floats fill the 64 bytes exactly; every bit pattern is a float.
 unsafe impl Zeroable for Line {}
@@ -18,50 +21,59 @@ unsafe impl Pod for Line {}
 /// How many free buffers a thread keeps for reuse, in bytes.
 const KEPT: usize = 64 << 20;
 
-#[derive(Default)]
+/// A thin pointer: planes are moved about a lot, and by it one is 16 bytes.
+type Buffer = Rc<Box<[Line]>>;
+
+/// The buffers that a thread's batches have done with, and the count of those that are in use.
 struct Pool {
-    free: Vec<Rc<[Line]>>,
+    /// Last in, first out: what was used last is still in the cache.
+    free: Vec<Buffer>,
+    /// Bytes in `free`.
     kept: usize,
+    /// Bytes in use.
+    live: usize,
 }
 
 thread_local! {
-    // The buffers that this thread's batches have done with. Last out, first in: it is still in the cache.
-    static POOL: RefCell<Pool> = RefCell::default();
-    static LIVE: Cell<usize> = const { Cell::new(0) };
+    static POOL: RefCell<Pool> = const { RefCell::new(Pool { free: Vec::new(), kept: 0, live: 0 }) };
 }
 
 /// Bytes in the buffers that this thread holds at the moment, without those kept for reuse.
 pub fn live_bytes() -> usize {
-    LIVE.get()
+    POOL.with_borrow(|pool| pool.live)
 }
 
 /// A shared buffer of one number a lane. It returns to its thread's pool when the last owner drops it.
 pub struct Lanes {
     // Only `drop` takes it out.
-    buffer: Option<Rc<[Line]>>,
+    buffer: Option<Buffer>,
 }
 
 impl Lanes {
     /// A buffer with room for `n` lanes, holding whatever was there before.
     pub fn new(n: usize) -> Lanes {
-        let lines = n.div_ceil(16).max(1);
+        let lines = n.div_ceil(LINE).max(1);
         let reused = POOL.with_borrow_mut(|pool| {
+            pool.live += lines * size_of::<Line>();
             let buffer = pool.free.pop()?;
-            pool.kept -= size_of_val(&*buffer);
+            pool.kept -= size_of_val(&**buffer);
             Some(buffer)
         });
         let buffer = match reused {
             Some(buffer) if buffer.len() == lines => buffer,
-            _ => std::iter::repeat_n(Line::zeroed(), lines).collect(),
+            _ => Rc::new(vec![Line::zeroed(); lines].into_boxed_slice()),
         };
-        LIVE.set(LIVE.get() + size_of_val(&*buffer));
         Lanes { buffer: Some(buffer) }
     }
 
     /// A buffer that `fill` writes: it must write all `n` lanes.
+    #[inline]
     pub fn filled(n: usize, fill: impl FnOnce(&mut [f32])) -> Lanes {
         let mut lanes = Lanes::new(n);
-        fill(lanes.get_mut(n));
+        // Nobody else has seen it yet.
+        if let Some(lines) = lanes.buffer.as_mut().and_then(Rc::get_mut) {
+            fill(&mut bytemuck::cast_slice_mut(lines)[..n]);
+        }
         lanes
     }
 
@@ -114,11 +126,11 @@ impl Drop for Lanes {
         if let Some(buffer) = self.buffer.take()
             && Rc::strong_count(&buffer) == 1
         {
-            let bytes = size_of_val(&*buffer);
+            let bytes = size_of_val(&**buffer);
             // A thread that ends may drop a value after its pool is gone.
-            let _ = LIVE.try_with(|live| live.set(live.get() - bytes));
             let _ = POOL.try_with(|pool| {
                 let mut pool = pool.borrow_mut();
+                pool.live -= bytes;
                 if pool.kept + bytes <= KEPT {
                     pool.kept += bytes;
                     pool.free.push(buffer);
@@ -130,7 +142,7 @@ impl Drop for Lanes {
 
 impl fmt::Debug for Lanes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let n = self.buffer.as_ref().map_or(0, |b| b.len() * 16);
+        let n = self.buffer.as_ref().map_or(0, |b| b.len() * LINE);
         f.debug_list().entries(self.get(n)).finish()
     }
 }

@@ -55,7 +55,11 @@ pub fn map_cells<const K: usize>(
     let simple = |v: &Value| v.shape == shape || v.shape.is_scalar();
     let planes: Planes = if args.iter().all(|v| simple(v)) {
         let step = args.map(|v| usize::from(!v.shape.is_scalar()));
-        (0..cells).map(|c| f(std::array::from_fn(|k| &args[k].planes[c * step[k]]))).collect()
+        let mut planes = Planes::with_capacity(cells);
+        for c in 0..cells {
+            planes.push(f(std::array::from_fn(|k| &args[k].planes[c * step[k]])));
+        }
+        planes
     } else {
         let maps = args.map(|v| {
             let mut map = Vec::with_capacity(cells);
