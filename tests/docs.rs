@@ -180,7 +180,7 @@ fn programs_in_the_documentation_do_what_it_says() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-    assert!(ran > 60 && refused > 10 && compared > 80, "{ran} ran, {refused} refused, {compared} compared");
+    assert!(ran > 45 && refused > 12 && compared > 50, "{ran} ran, {refused} refused, {compared} compared");
 }
 
 #[test]
