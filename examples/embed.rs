@@ -97,8 +97,7 @@ fn cancel() -> Result<(), Box<dyn Error>> {
     let image = Image::new(512, 256, [])?;
     let cancelled = AtomicBool::new(false);
     let progress = |_: Progress| cancelled.store(true, Ordering::Relaxed);
-    let options =
-        RunOptions { cancel: Some(&cancelled), progress: Some(&progress), ..RunOptions::default() };
+    let options = RunOptions { cancel: Some(&cancelled), progress: Some(&progress), ..RunOptions::default() };
     match program.run(&image, &options) {
         Ok(_) => println!("the run came to its end"),
         Err(error) => println!("cancelled: {}", error.cancelled),
