@@ -107,17 +107,20 @@ fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
             Known::Usual if names::USUAL_INPUTS.contains(&name) || name.contains('.') => {}
             Known::Usual => {
                 let usual = names::USUAL_INPUTS.iter().copied();
-                match names::nearest(name, own.chain(fixed).chain(usual)) {
-                    Some(near) => list.push(
-                        Diagnostic::error("name", format!("there is no variable {name}"), span)
-                            .hint(format!("Did you mean {near}?")),
-                    ),
-                    None => list.push(
-                        Diagnostic::error("name", format!("nothing in the program assigns {name}"), span)
-                            .hint("It runs on images that have a variable of that name.")
-                            .warning(),
-                    ),
+                if let Some(near) = names::nearest(name, own.chain(usual)) {
+                    let error = Diagnostic::error("name", format!("there is no variable {name}"), span);
+                    list.push(error.hint(format!("Did you mean {near}?")));
+                    continue;
                 }
+                // An image may well have a `flame`, however much it looks like `frame`.
+                let warning =
+                    Diagnostic::error("name", format!("nothing in the program assigns {name}"), span)
+                        .hint("It runs on images that have a variable of that name.")
+                        .warning();
+                list.push(match names::nearest(name, fixed) {
+                    Some(near) => warning.hint(format!("Or did you mean {near}?")),
+                    None => warning,
+                });
             }
             Known::Scene(has) if has.iter().any(|v| v == name) => {}
             Known::Scene(has) => {

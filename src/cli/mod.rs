@@ -1,6 +1,6 @@
 //! The `pse` command: its arguments, and one file for each thing that it does.
 //!
-//! A command gives `Ok`, or a [`failure::Failure`] that knows its message and its exit status. What people
+//! A command gives `Ok`, or a `Failure` that knows its message and its exit status. What people
 //! asked for goes to standard output, what is said about the work to standard error.
 
 mod ast;

@@ -12,7 +12,7 @@ use super::progress::Bar;
 use super::region::Region;
 use super::stats::Stats;
 use crate::diagnostic::Diagnostic;
-use crate::eval::{BATCH, Missing};
+use crate::eval::BATCH;
 use crate::image::{Format, Image};
 use crate::program::{Report, RunOptions};
 use plan::{Output, Plan};
@@ -25,14 +25,16 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let moving = args.input.iter().any(|i| super::frames::has_pattern(&i.path));
     let mut kept: Option<Loaded> = None;
     for &frame in &plan.frames {
+        // What cannot be written is said before the work.
+        let outputs = plan.outputs(args, frame.number)?;
         let start = Instant::now();
         // Files that are the same for all frames are read once.
+        let first = kept.is_none();
         let loaded = match kept.take().filter(|_| !moving) {
             Some(loaded) => loaded,
             None => Loaded::new(args, &plan, frame.number)?,
         };
         let read = start.elapsed();
-        let outputs = plan.outputs(args, frame.number)?;
         let (report, mut stats) = compute(args, &plan, &loaded, frame.value)?;
         stats.read = read;
         let start = Instant::now();
@@ -40,6 +42,10 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
             write(args, &plan, output, &report.image)?;
         }
         stats.write = start.elapsed();
+        if plan.by_default && first && !args.quiet {
+            let scene = plan::DEFAULT_SCENE;
+            warn(&format!("no input: this is the scene {scene} (see pse scene --list, or give -i FILE)"));
+        }
         tell(args, &plan, &outputs, &report, &stats);
         kept = Some(loaded);
     }
@@ -67,6 +73,12 @@ impl Loaded {
         }
         Ok(Loaded { inputs: Arc::new(inputs), image, cut: args.region.is_some() && plan.around > 0 })
     }
+
+    /// The variables that were read, but for those of named images.
+    fn names(&self) -> String {
+        let names = self.image.variables.iter().map(|v| v.name.as_str());
+        names.filter(|n| !n.contains('.')).collect::<Vec<_>>().join(", ")
+    }
 }
 
 /// Runs it in memory, as often as was asked for.
@@ -74,8 +86,11 @@ fn compute(args: &RunArgs, plan: &Plan, loaded: &Loaded, frame: f32) -> Result<(
     let bar = Bar::new(&plan.name, args.quiet);
     let progress = |p| bar.update(p);
     let inputs = Arc::clone(&loaded.inputs);
-    let missing = move |name: &str| inputs.missing(name);
-    let missing: Option<&Missing> = if plan.scene.is_none() { Some(&missing) } else { None };
+    let scene = plan.scene.as_ref().map(|name| format!("The scene {name} has {}.", loaded.names()));
+    let missing = move |name: &str| match &scene {
+        Some(scene) if !name.contains('.') => vec![scene.clone()],
+        _ => inputs.missing(name),
+    };
     let options = RunOptions {
         frame,
         set: plan.set.clone(),
@@ -87,7 +102,7 @@ fn compute(args: &RunArgs, plan: &Plan, loaded: &Loaded, frame: f32) -> Result<(
         limits: args.limits.limits(),
         cancel: None,
         progress: Some(&progress),
-        missing,
+        missing: Some(&missing),
     };
     let mut runs = Vec::new();
     let mut last = None;
@@ -148,7 +163,7 @@ fn tell(args: &RunArgs, plan: &Plan, outputs: &[Output], report: &Report, stats:
         };
         for output in outputs {
             warn(&format!(
-                "wrote {} ({}x{}{region}) in {:.2} s, {:.1} Mpixels/s",
+                "wrote {} ({}x{}{region}) in {:.3} s, {:.1} Mpixels/s",
                 output::shown(&output.path),
                 image.width,
                 image.height,

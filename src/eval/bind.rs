@@ -12,9 +12,6 @@ use crate::value::{Mask, PixelValue, Value};
 use smallvec::smallvec;
 use std::sync::Arc;
 
-/// Says what a host knows of a variable that an image does not have, as hints to the user.
-pub type Missing = dyn Fn(&str) -> Vec<String> + Send + Sync;
-
 /// Where a variable's first value comes from.
 pub(super) enum Source<'r> {
     /// Nowhere: the program assigns it.
@@ -38,7 +35,7 @@ pub(super) struct Bound<'r> {
     width: usize,
     origin: [i32; 2],
     has: Vec<String>,
-    missing: Option<&'r Missing>,
+    missing: Option<&'r (dyn Fn(&str) -> Vec<String> + Sync)>,
 }
 
 impl Source<'_> {
@@ -280,14 +277,20 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
             }
             let error = Diagnostic::error("name", format!("there is no variable {name}"), span)
                 .label(span, "nothing assigns it, and the input has none of that name");
-            let error = match names::nearest(name, known.iter().copied()) {
-                Some(near) => error.hint(format!("Did you mean {near}?")),
+            let near = names::nearest(name, known.iter().copied());
+            // The host may know of variables that it did not load.
+            let mut hints = bound.missing.map_or(Vec::new(), |missing| missing(name));
+            let guess = |hint: &String| hint.starts_with("Did you mean");
+            let error = match near {
+                Some(near) => {
+                    hints.retain(|h| !guess(h));
+                    error.hint(format!("Did you mean {near}?"))
+                }
+                None if hints.iter().any(guess) => error,
                 None => error.hint(format!("Give it a value in a line above: {name} = 1.")),
             };
-            if let Some(missing) = bound.missing {
-                // The host may know of variables that it did not load.
-                let hints = missing(name).into_iter();
-                return Some(hints.filter(|h| !h.starts_with("Did you mean")).fold(error, Diagnostic::hint));
+            if bound.missing.is_some() {
+                return Some(hints.into_iter().fold(error, Diagnostic::hint));
             }
             let has = bound.has.join(", ");
             Some(if bound.has.is_empty() { error } else { error.hint(format!("The input has {has}.")) })

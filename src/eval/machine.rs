@@ -270,9 +270,8 @@ impl<'r> Machine<'r> {
         let n = pixels.len();
         for (i, global) in self.program.globals.iter().enumerate() {
             let source = &self.bound.sources[i];
-            if global.assigned.is_some() || source.varies() {
-                self.globals[i] = source.slot(pixels, n, self.bound);
-            } else if self.globals[i].value.is_none() {
+            // What nobody changes stays from batch to batch.
+            if global.assigned.is_some() || source.varies() || self.globals[i].value.is_none() {
                 self.globals[i] = source.slot(pixels, n, self.bound);
             }
         }

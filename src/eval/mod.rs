@@ -19,7 +19,6 @@ mod pixelsize;
 mod run;
 mod store;
 
-pub use bind::Missing;
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
 pub use run::{Failure, Options, Progress, Report, eval_pixel, run};

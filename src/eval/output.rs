@@ -50,10 +50,7 @@ impl Output<'_> {
             {
                 Some(Shape::Vector(4))
             }
-            (shape, _) if self.seen.is_none() && self.color_has(&found) => {
-                let _ = shape;
-                Some(found)
-            }
+            _ if self.seen.is_none() && self.color_has(&found) => Some(found),
             (Shape::Scalar, _) => Some(found),
             (shape, Shape::Scalar) => Some(shape.clone()),
             _ => None,
@@ -88,14 +85,12 @@ pub(super) fn write(
         }
         let opaque = Plane::Uniform(1.0);
         for (cell, out) in planes[k].iter_mut().enumerate() {
-            let plane = if value.shape.is_scalar() && cell < 3 {
-                &value.planes[0]
-            } else if value.shape.is_scalar() && !output.is_color() {
-                &value.planes[0]
-            } else if cell < written.cells() && !value.shape.is_scalar() {
-                &value.planes[cell]
-            } else {
+            let plane = if output.is_color() && cell >= written.cells() {
                 &opaque
+            } else if value.shape.is_scalar() {
+                &value.planes[0]
+            } else {
+                &value.planes[cell]
             };
             put(plane, &slot.defined, pixels, start, out);
         }

@@ -1,6 +1,6 @@
 //! A program on a whole image: batches, threads, and what comes out.
 
-use super::bind::{Bound, Missing, bind};
+use super::bind::{Bound, bind};
 use super::fault::Fault;
 use super::limits::Limits;
 use super::machine::{Machine, Pixels};
@@ -53,8 +53,8 @@ pub struct Options<'o> {
     pub cancel: Option<&'o AtomicBool>,
     /// Called from any of the threads from time to time.
     pub progress: Option<&'o (dyn Fn(Progress) + Sync)>,
-    /// Says more about variables that an image does not have.
-    pub missing: Option<&'o Missing>,
+    /// Says what is known of a variable that the image does not have, as hints to the user.
+    pub missing: Option<&'o (dyn Fn(&str) -> Vec<String> + Sync)>,
 }
 
 impl Options<'_> {

@@ -19,10 +19,10 @@ Examples:
   pse run fire.pse -i fg.####.exr -i bg=sky.png -o fire.####.png --frames 1-24
   pse run a.pse -i g.exr -o - | pse run b.pse -i - -o b.png
 
-Pictures (.png .jpg .tif .hdr .bmp .tga .webp) show color. Of a program that assigns none, they show the one
+Pictures (.png .jpg .tif .hdr .bmp .tga .webp) show color. Of a program that assigns none, they show the one \
 variable that --vars names: a scalar as grey, a vector of 3 as a colour. An .exr file holds any variable.
 
-Without -i and --scene, the built-in donut is used. PSE_SIMD=baseline or avx2 in the environment chooses the
+Without -i and --scene, the built-in donut is used. PSE_SIMD=baseline or avx2 in the environment chooses the \
 instruction set; the result is the same.";
 
 /// What to run, on what, and where to.

@@ -1,7 +1,7 @@
 //! What a run is to do, settled before any pixel is read.
 
 use super::RunArgs;
-use crate::cli::failure::{Failure, warn};
+use crate::cli::failure::Failure;
 use crate::cli::{frames, output, source};
 use crate::diagnostic::SourceId;
 use crate::image::{Format, same_file};
@@ -12,7 +12,7 @@ use crate::value::PixelValue;
 use std::path::{Path, PathBuf};
 
 /// The scene for who names no image.
-const DEFAULT_SCENE: &str = "donut";
+pub(super) const DEFAULT_SCENE: &str = "donut";
 
 /// A frame to run.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +49,8 @@ pub(super) struct Plan {
     pub around: i64,
     /// The built-in scene.
     pub scene: Option<String>,
+    /// Was that scene chosen because there is no input?
+    pub by_default: bool,
     /// At least one.
     pub frames: Vec<Frame>,
     /// The instruction set.
@@ -98,6 +100,7 @@ impl Plan {
             around: if near { 2 } else { 0 },
             set: args.set.iter().map(|s| set(s)).collect::<Result<_, _>>()?,
             scene: scene(args)?,
+            by_default: args.scene.is_none() && args.input.is_empty(),
             name,
             program,
             vars,
@@ -146,6 +149,16 @@ fn frames(args: &RunArgs) -> Result<Vec<Frame>, Failure> {
         return Err(Failure::usage(format!("{value} is no frame")));
     }
     let number = args.frame.filter(|f| f.fract() == 0.0).map(|f| f as i64);
+    let mut names = args.input.iter().map(|i| i.path.clone());
+    let mut outputs = args.output.iter().map(|o| o.to_string_lossy().into_owned());
+    if args.frame.is_some() && number.is_none() {
+        let pattern = |name: &String| frames::has_pattern(name);
+        if let Some(name) = names.find(pattern).or_else(|| outputs.find(pattern)) {
+            return Err(Failure::usage(format!(
+                "{name} has no place for frame {value}, only for whole numbers"
+            )));
+        }
+    }
     Ok(vec![Frame { value, number }])
 }
 
@@ -174,11 +187,6 @@ fn scene(args: &RunArgs) -> Result<Option<String>, Failure> {
                 .hint("An image has the size and the view that it has.")),
             false => Ok(None),
         };
-    }
-    if !args.quiet {
-        warn(&format!(
-            "no input: running on the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"
-        ));
     }
     Ok(Some(DEFAULT_SCENE.into()))
 }
