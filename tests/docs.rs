@@ -1,0 +1,215 @@
+//! Runs the programs of the documentation: every block marked `pse` in README.md and docs/*.md.
+//!
+//! - A block runs at every pixel of a small donut, which also has `color`, `alpha`, `flame` and an image called `bg`.
+//! - A comment `#= value` behind an assignment says what its variable holds in the end, at a pixel of the donut.
+//! - A block marked `pse error` must be refused, or fail at some pixel.
+//! - A block whose first line is `# name.pse` can be imported by the others of its file.
+//! - A block marked `rust` is a part of examples/embed.rs, line for line.
+
+use pse::host::Memory;
+use pse::{Compiler, Error, Image, PixelValue, Program, RunOptions, Shape, Variable, scene};
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A block of code between fences.
+struct Block {
+    /// For messages: `docs/language.md:12`.
+    place: String,
+    /// What follows the opening fence.
+    mark: String,
+    text: String,
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The documents that there are.
+fn documents() -> Vec<PathBuf> {
+    let mut list = vec![root().join("README.md")];
+    for entry in fs::read_dir(root().join("docs")).unwrap() {
+        list.push(entry.unwrap().path());
+    }
+    list.retain(|path| path.is_file() && path.extension().is_some_and(|e| e == "md"));
+    list.sort();
+    list
+}
+
+fn blocks(path: &Path) -> Vec<Block> {
+    let text = fs::read_to_string(path).unwrap();
+    let shown = path.strip_prefix(root()).unwrap().display().to_string();
+    let mut list: Vec<Block> = Vec::new();
+    let mut open = false;
+    for (number, line) in text.lines().enumerate() {
+        match line.strip_prefix("```") {
+            Some(_) if open => open = false,
+            Some(mark) => {
+                let place = format!("{shown}:{}", number + 1);
+                list.push(Block { place, mark: mark.trim().to_string(), text: String::new() });
+                open = true;
+            }
+            None if open => {
+                let block = list.last_mut().unwrap();
+                block.text.push_str(line);
+                block.text.push('\n');
+            }
+            None => {}
+        }
+    }
+    assert!(!open, "{shown}: the last block is not closed");
+    list
+}
+
+/// The name under which a block can be imported.
+fn file_name(block: &Block) -> Option<&str> {
+    let name = block.text.lines().next()?.strip_prefix("# ")?;
+    (name.ends_with(".pse") && !name.contains(' ')).then_some(name)
+}
+
+/// A donut with a picture of its own and another image beside it.
+fn image() -> Image<'static> {
+    let options = scene::Options { width: 32, height: 24, ..scene::Options::default() };
+    let mut image = scene::render("donut", &options).unwrap();
+    let surface = image.variable("surface").unwrap().planes[0].to_vec();
+    let grey: Vec<f32> = surface.iter().map(|s| 0.5 * s).collect();
+    let ramp: Vec<f32> = (0..surface.len()).map(|i| i as f32 / surface.len() as f32).collect();
+    let mut add = |name: &str, planes: Vec<Vec<f32>>| {
+        let shape = if planes.len() == 1 { Shape::Scalar } else { Shape::Vector(planes.len() as u32) };
+        image.variables.push(Variable::new(name, shape, planes).unwrap());
+    };
+    add("color", vec![grey.clone(), grey.clone(), grey]);
+    add("alpha", vec![surface]);
+    add("bg.color", vec![ramp.clone(), ramp.clone(), ramp.clone()]);
+    add("flame", vec![ramp]);
+    image
+}
+
+/// The middle of the donut's front.
+fn column_and_row(image: &Image<'_>) -> (usize, usize) {
+    let surface = &image.variable("surface").unwrap().planes[0];
+    let column = image.width / 2;
+    let row = (0..image.height).rev().find(|row| surface[row * image.width + column] == 1.0).unwrap();
+    (column, row - 1)
+}
+
+fn compile(block: &Block, files: &Memory) -> Result<Program, Error> {
+    Compiler::new().host(files).compile(&block.place, &block.text)
+}
+
+/// Compares what a block's comments say with what it gives.
+fn check_values(block: &Block, program: &Program, image: &Image<'_>) -> Vec<String> {
+    let (column, row) = column_and_row(image);
+    let values = match program.eval_pixel_of(image, column, row, &RunOptions::default()) {
+        Ok(values) => values,
+        Err(error) => return vec![format!("{}\n{error}", block.place)],
+    };
+    let mut failures = Vec::new();
+    for line in block.text.lines() {
+        let Some((code, expected)) = line.split_once("#=") else { continue };
+        let name: String = code.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        let expected = value(expected.trim());
+        match values.iter().find(|(n, _)| *n == name) {
+            Some((_, found)) if close(found, &expected) => {}
+            Some((_, found)) => {
+                failures.push(format!("{}: {name} is {found}, not {expected}", block.place));
+            }
+            None => failures.push(format!("{}: {name} has no value", block.place)),
+        }
+    }
+    failures
+}
+
+fn value(text: &str) -> PixelValue {
+    let program = Program::compile(&format!("expected = {text}")).unwrap_or_else(|e| panic!("{e}"));
+    let values = program.eval_pixel(&[], &RunOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    values.into_iter().next().unwrap().1
+}
+
+fn close(a: &PixelValue, b: &PixelValue) -> bool {
+    let near = |(a, b): (&f32, &f32)| {
+        a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-6 * (1.0 + b.abs())
+    };
+    a.shape() == b.shape() && a.cells().iter().zip(b.cells()).all(near)
+}
+
+#[test]
+fn programs_in_the_documentation_do_what_it_says() {
+    let image = image();
+    let mut failures = Vec::new();
+    let (mut ran, mut refused, mut compared) = (0, 0, 0);
+    for path in documents() {
+        let blocks = blocks(&path);
+        let named = blocks.iter().filter_map(|b| Some((file_name(b)?.to_string(), b.text.clone())));
+        let files = Memory(named.collect::<HashMap<_, _>>());
+        for block in &blocks {
+            match block.mark.as_str() {
+                "pse" => {
+                    let program = match compile(block, &files) {
+                        Ok(program) => program,
+                        Err(error) => {
+                            failures.push(format!("{}\n{error}", block.place));
+                            continue;
+                        }
+                    };
+                    ran += 1;
+                    // A file of functions has no picture.
+                    if program.assigned().next().is_some()
+                        && let Err(error) = program.run(&image, &RunOptions::default())
+                    {
+                        failures.push(format!("{}\n{error}", block.place));
+                        continue;
+                    }
+                    if block.text.contains("#=") {
+                        compared += block.text.matches("#=").count();
+                        failures.extend(check_values(block, &program, &image));
+                    }
+                }
+                "pse error" => {
+                    refused += 1;
+                    let run = compile(block, &files).and_then(|p| p.run(&image, &RunOptions::default()));
+                    if run.is_ok() {
+                        failures.push(format!("{}: this should be an error\n{}", block.place, block.text));
+                    }
+                }
+                mark if mark.starts_with("pse") => {
+                    failures.push(format!("{}: what is a `{mark}`?", block.place));
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    assert!(ran > 45 && refused > 12 && compared > 50, "{ran} ran, {refused} refused, {compared} compared");
+}
+
+#[test]
+fn rust_in_the_documentation_is_quoted_from_the_example() {
+    let lines = |text: &str| text.lines().map(str::trim).collect::<Vec<_>>().join("\n");
+    let example = lines(&fs::read_to_string(root().join("examples/embed.rs")).unwrap());
+    for path in documents() {
+        for block in blocks(&path).iter().filter(|b| b.mark == "rust") {
+            let quote = lines(&block.text);
+            assert!(example.contains(quote.trim()), "{} is not in examples/embed.rs", block.place);
+        }
+    }
+}
+
+#[test]
+fn links_in_the_documentation_lead_somewhere() {
+    for path in documents() {
+        let text = fs::read_to_string(&path).unwrap();
+        let shown = path.display();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
+            if link.contains("://") || link.starts_with('#') || link.contains(char::is_whitespace) {
+                continue;
+            }
+            let file = link.split('#').next().unwrap_or(link);
+            if file == "builtins.md" {
+                // Made by `pse doc --markdown`.
+                continue;
+            }
+            assert!(path.parent().unwrap().join(file).exists(), "{shown}: there is no {link}");
+        }
+    }
+}
