@@ -109,11 +109,11 @@ fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
                 let usual = names::USUAL_INPUTS.iter().copied();
                 match names::nearest(name, own.chain(fixed).chain(usual)) {
                     Some(near) => list.push(
-                        Diagnostic::error("name", format!("there is no variable {name}"), span)
-                            .hint(format!("Did you mean {near}?")),
+                        Diagnostic::error("name", format!("there is no variable `{name}`"), span)
+                            .hint(format!("Did you mean `{near}`?")),
                     ),
                     None => list.push(
-                        Diagnostic::error("name", format!("nothing in the program assigns {name}"), span)
+                        Diagnostic::error("name", format!("nothing in the program assigns `{name}`"), span)
                             .hint("It runs on images that have a variable of that name.")
                             .warning(),
                     ),
@@ -121,17 +121,17 @@ fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
             }
             Known::Scene(has) if has.iter().any(|v| v == name) => {}
             Known::Scene(has) => {
-                let error = absent(&format!("the scene has no variable {name}"));
+                let error = absent(&format!("the scene has no variable `{name}`"));
                 let near = names::nearest(name, own.chain(fixed).chain(has.iter().map(String::as_str)));
                 let error = match near {
-                    Some(near) => error.hint(format!("Did you mean {near}?")),
+                    Some(near) => error.hint(format!("Did you mean `{near}`?")),
                     None => error,
                 };
                 list.push(error.hint(format!("It has {}.", has.join(", "))));
             }
             Known::Files(inputs) => {
                 let (message, hints) = match inputs.find(name) {
-                    None => (format!("the input has no variable {name}"), inputs.missing(name)),
+                    None => (format!("the input has no variable `{name}`"), inputs.missing(name)),
                     Some(Ok(())) => continue,
                     Some(Err(ambiguous)) => (ambiguous.message, ambiguous.hints),
                 };
