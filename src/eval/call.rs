@@ -42,6 +42,14 @@ impl<'r> Machine<'r> {
                     .label(span, "its value is wanted here")
                     .label(function.span, "defined here")
                     .hint("End every way through the function with a `return`.");
+                let color = |g: &Global| g.name == "color" && g.assigned == Some(span);
+                let error = if self.program.globals.iter().any(color) {
+                    error.hint(
+                        "It is the last expression of a program without `color`, so its value is the colour.",
+                    )
+                } else {
+                    error
+                };
                 let lane = self.first(if fell.is_none() { mask } else { &fell });
                 Err(self.fault(error, lane))
             }

@@ -5,6 +5,7 @@ pub mod names;
 pub mod tree;
 
 mod call;
+mod expr;
 mod import;
 mod library;
 mod lower;

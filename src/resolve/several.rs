@@ -41,7 +41,7 @@ pub(super) fn credible(
         let defines = |line: &Span| words(sources.text(*line)).any(|word| word == sources.text(span));
         match d.code {
             // Whose block this is may be what could not be read.
-            "place" => !syntax.is_empty(),
+            "place" => syntax.iter().any(|s| s.code != "import"),
             // A file that was not found may have it, if it is no slip of a name that is known.
             "name" if misses_a_file && !d.hints.iter().any(|h| h.starts_with("Did you mean")) => true,
             "name" => bad.iter().any(|line| inside(line) || defines(line)),
