@@ -27,6 +27,11 @@ impl Span {
         Span { source, start: start as u32, end: end as u32 }
     }
 
+    /// Is the other one inside of it?
+    pub fn holds(self, other: Span) -> bool {
+        self.source == other.source && self.start <= other.start && other.end <= self.end
+    }
+
     /// The smallest span that holds both; they must be of the same source.
     pub fn to(self, end: Span) -> Span {
         Span { source: self.source, start: self.start.min(end.start), end: self.end.max(end.end) }
@@ -191,7 +196,7 @@ impl Style {
 }
 
 mod render {
-    use super::{Diagnostic, Severity, SourceId, Sources, Style};
+    use super::{Diagnostic, Label, Severity, SourceId, Sources, Span, Style};
     use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource};
     use std::fmt;
 
@@ -246,6 +251,7 @@ mod render {
         let mut text = String::new();
         // The handler writes to a String, which cannot fail.
         let _ = handler.render_report(&mut text, &report(d, sources));
+        text.push_str(&calls(d, sources));
         text.lines().map(|line| line.trim_end().to_string() + "\n").collect()
     }
 
@@ -255,8 +261,9 @@ mod render {
         if let Some([column, row]) = d.pixel {
             message += &format!(" (at pixel [{column} {row}])");
         }
+        let shown = apart(&d.labels, sources);
         let of_source = |id: SourceId| -> Vec<LabeledSpan> {
-            d.labels
+            shown
                 .iter()
                 .filter(|l| l.span.source == id)
                 .enumerate()
@@ -289,11 +296,6 @@ mod render {
                 });
             }
         }
-        let mut help = d.hints.clone();
-        help.extend(d.trace.iter().map(|(name, span)| {
-            let (line, column) = sources.line_column(*span);
-            format!("called as {name}() at {}:{line}:{column}", sources.get(span.source).name)
-        }));
         Report {
             message,
             severity: Some(match d.severity {
@@ -302,8 +304,57 @@ mod render {
             }),
             labels: primary.map_or(Vec::new(), of_source),
             source: primary.map(named),
-            help: (!help.is_empty()).then(|| help.join("\n")),
+            help: (!d.hints.is_empty()).then(|| d.hints.join("\n")),
             related,
         }
+    }
+
+    /// The labels without the one thing that cannot be drawn: a place without a text that has other labels inside.
+    /// Of `max(a, b)` around labels on `a` and `b` the `max` is left; of `a + b` nothing.
+    fn apart(labels: &[Label], sources: &Sources) -> Vec<Label> {
+        let cut = |outer: &Label| {
+            let inside = |l: &&Label| l.span != outer.span && outer.span.holds(l.span);
+            let first = labels.iter().filter(inside).map(|l| l.span.start).min();
+            let Some(end) = first.filter(|_| outer.text.is_empty()) else { return Some(outer.clone()) };
+            let before = Span { end, ..outer.span };
+            let head = sources.text(before).trim_end_matches(|c: char| !c.is_alphanumeric() && c != '_');
+            let span = Span { end: before.start + head.len() as u32, ..before };
+            (!head.is_empty()).then(|| Label { span, text: String::new() })
+        };
+        labels.iter().filter_map(cut).collect()
+    }
+
+    /// So many lines of calls are shown from either end.
+    const CALLS: usize = 4;
+
+    /// The calls that led to the fault, a line each, innermost first. A call that repeats itself, as a
+    /// recursion does, has one line.
+    fn calls(d: &Diagnostic, sources: &Sources) -> String {
+        let mut runs: Vec<(&(String, Span), usize)> = Vec::new();
+        for call in &d.trace {
+            match runs.last_mut() {
+                Some((last, times)) if *last == call => *times += 1,
+                _ => runs.push((call, 1)),
+            }
+        }
+        let mut lines = Vec::new();
+        for (i, ((name, span), times)) in runs.iter().enumerate() {
+            let from_end = runs.len() - i;
+            if i >= CALLS && from_end > CALLS {
+                if i == CALLS {
+                    let left_out: usize = runs[i..runs.len() - CALLS].iter().map(|(_, times)| times).sum();
+                    lines.push(format!("  … {left_out} more calls …\n"));
+                }
+                continue;
+            }
+            let (line, column) = sources.line_column(*span);
+            let written = sources.text(*span);
+            let short = written.chars().count() <= 40 && !written.contains('\n');
+            let written = if short { written.to_string() } else { format!("{name}(…)") };
+            let times = if *times > 1 { format!(", {times} times over") } else { String::new() };
+            let file = &sources.get(span.source).name;
+            lines.push(format!("  in `{name}()`, called as `{written}` at {file}:{line}:{column}{times}\n"));
+        }
+        lines.concat()
     }
 }

@@ -8,6 +8,11 @@ pub trait Host: Send + Sync {
     /// The text of the file that `path` names in a program called `importing`, and the name under which
     /// messages show it. `Err` says where it was looked for, as a sentence.
     fn import(&self, importing: &str, path: &str) -> Result<(String, String), String>;
+
+    /// Where imports are looked for, as a sentence, for who misses one.
+    fn hint(&self) -> Option<String> {
+        None
+    }
 }
 
 /// No files: every import is an error.
@@ -16,7 +21,7 @@ pub struct NoFiles;
 
 impl Host for NoFiles {
     fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
-        Err("this host has no files to import".into())
+        Err("this program can import no files".into())
     }
 }
 
@@ -28,8 +33,14 @@ impl Host for Memory {
     fn import(&self, _: &str, path: &str) -> Result<(String, String), String> {
         match self.0.get(path) {
             Some(text) => Ok((path.to_string(), text.clone())),
-            None => Err(format!("there is no \"{path}\" among the {} files in memory", self.0.len())),
+            None => Err("there is no file of that name".into()),
         }
+    }
+
+    fn hint(&self) -> Option<String> {
+        let mut names: Vec<&str> = self.0.keys().map(String::as_str).collect();
+        names.sort_unstable();
+        (!names.is_empty()).then(|| format!("The files are {}.", names.join(", ")))
     }
 }
 
@@ -53,5 +64,11 @@ impl Host for Disk {
             }
         }
         Err(format!("there is no {}", tried.join(" and no ")))
+    }
+
+    fn hint(&self) -> Option<String> {
+        let more =
+            "An import is looked for beside the file that imports it, then in the folders of `--path`.";
+        Some(more.into())
     }
 }

@@ -12,6 +12,7 @@ pub mod lanes;
 pub mod math;
 pub mod noise;
 mod program;
+pub mod reference;
 pub mod resolve;
 pub mod scene;
 pub mod shape;

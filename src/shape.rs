@@ -51,6 +51,19 @@ impl Shape {
         }
     }
 
+    /// How large it is, counting scalars and vectors at any depth, and how deep it nests. Vectors of empty
+    /// vectors have no cells, and can be large nevertheless.
+    pub fn extent(&self) -> (usize, usize) {
+        match self {
+            Shape::Scalar => (1, 0),
+            Shape::Vector(n) => (1 + *n as usize, 1),
+            Shape::Nested(elements) => elements
+                .iter()
+                .map(Shape::extent)
+                .fold((1, 1), |whole, part| (whole.0.saturating_add(part.0), whole.1.max(part.1 + 1))),
+        }
+    }
+
     /// Is it the empty vector?
     pub fn is_empty(&self) -> bool {
         self.len() == Some(0)

@@ -9,8 +9,6 @@ use crate::value::{self, Lanes, Mismatch, Plane, Planes, Value};
 impl Builtin {
     /// Computes the value of a call, whatever the form of the kernel.
     pub fn apply(&self, call: &Call<'_>) -> Result<Value, Fault> {
-        let differ =
-            |m: Mismatch| Fault::new(format!("vectors of different lengths, {} and {}", m.left, m.right));
         let args = call.args;
         let value = match self.kernel {
             Form::Map1(kernel) => value::map1(&args[0], |a| call.map1(a, kernel)),
@@ -36,19 +34,24 @@ impl Builtin {
     }
 }
 
+/// Vectors of different lengths; who calls puts the function's name before it.
+fn differ(m: Mismatch) -> Fault {
+    Fault::new(format!("meets vectors of different lengths, {} and {}", m.left, m.right))
+}
+
 impl Call<'_> {
     /// May a value have so many cells?
     pub fn room(&self, cells: usize) -> Result<(), Fault> {
         if cells <= self.max_cells {
             return Ok(());
         }
-        Err(Fault::new(format!("vector too large: {cells} numbers, the limit is {}", self.max_cells)))
+        let message = format!("the value would have {cells} numbers, and the limit is {}", self.max_cells);
+        Err(Fault::new(message).hint("A higher limit can be set (`--max-vector`)."))
     }
 
     /// The component-by-component operation on the cells of two values.
     pub fn cells2(&self, a: &Value, b: &Value, kernel: Lanes2) -> Result<Value, Fault> {
-        value::binary(a, b, |a, b| self.map2(a, b, kernel))
-            .map_err(|m| Fault::new(format!("vectors of different lengths, {} and {}", m.left, m.right)))
+        value::binary(a, b, |a, b| self.map2(a, b, kernel)).map_err(differ)
     }
 
     /// `K` planes from `N`: `f` is given the numbers of one lane and gives that lane's results. It should be an

@@ -52,7 +52,7 @@ fn size(call: &Call<'_>) -> Result<Value, Fault> {
     match call.args[0].shape.len() {
         Some(n) => Ok(Value::uniform(n as f32)),
         None => Err(Fault::of(0, "size needs a vector, found a scalar")
-            .hint("abs() or norm() give the magnitude of a number")),
+            .hint("`abs()` gives the magnitude of a number.")),
     }
 }
 
@@ -60,7 +60,7 @@ fn append(call: &Call<'_>) -> Result<Value, Fault> {
     let [v, rest @ ..] = call.args else { return Err(Fault::new("append needs a vector")) };
     if v.shape.is_scalar() {
         return Err(Fault::of(0, "append needs a vector to add to, found a scalar")
-            .hint("[ ] makes a vector: append([x], y)"));
+            .hint("`[ ]` makes a vector: `append([x], y)`."));
     }
     call.room(v.planes.len() + rest.iter().map(|r| r.planes.len()).sum::<usize>())?;
     Ok(Value::vector_of(v.elements().chain(rest.iter().cloned())))

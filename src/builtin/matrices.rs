@@ -27,7 +27,7 @@ impl<'v> Matrix<'v> {
             return Ok(Matrix { rows: rows.len(), columns, cells: &value.planes });
         }
         Err(Fault::of(arg, format!("{name} needs a matrix, found {}", value.shape))
-            .hint("a matrix is a vector of rows of one length, such as [[1 0] [0 1]]"))
+            .hint("A matrix is a vector of rows of one length, such as `[[1 0] [0 1]]`."))
     }
 
     /// One of 2 × 2, 3 × 3 or 4 × 4.

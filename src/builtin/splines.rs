@@ -156,7 +156,7 @@ fn knots(call: &Call<'_>, name: &str, least: usize) -> Result<(Shape, Vec<Value>
     };
     if knots.len() < least {
         return Err(Fault::of(1, format!("{name} needs at least {least} knots, found {}", knots.len()))
-            .hint(format!("give them as {name}(t, k1, k2, …) or {name}(t, [k1 k2 …])")));
+            .hint(format!("Give them as `{name}(t, k1, k2, …)` or `{name}(t, [k1 k2 …])`.")));
     }
     let shape = knots.iter().map(|k| &k.shape).find(|s| !s.is_scalar()).unwrap_or(&Shape::Scalar).clone();
     if let Some(odd) = knots.iter().find(|k| k.shape != shape && !k.shape.is_scalar()) {

@@ -108,33 +108,33 @@ fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
             Known::Usual => {
                 let usual = names::USUAL_INPUTS.iter().copied();
                 if let Some(near) = names::nearest(name, own.chain(usual)) {
-                    let error = Diagnostic::error("name", format!("there is no variable {name}"), span);
-                    list.push(error.hint(format!("Did you mean {near}?")));
+                    let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span);
+                    list.push(error.hint(format!("Did you mean `{near}`?")));
                     continue;
                 }
                 // An image may well have a `flame`, however much it looks like `frame`.
                 let warning =
-                    Diagnostic::error("name", format!("nothing in the program assigns {name}"), span)
+                    Diagnostic::error("name", format!("nothing in the program assigns `{name}`"), span)
                         .hint("It runs on images that have a variable of that name.")
                         .warning();
                 list.push(match names::nearest(name, fixed) {
-                    Some(near) => warning.hint(format!("Or did you mean {near}?")),
+                    Some(near) => warning.hint(format!("Or did you mean `{near}`?")),
                     None => warning,
                 });
             }
             Known::Scene(has) if has.iter().any(|v| v == name) => {}
             Known::Scene(has) => {
-                let error = absent(&format!("the scene has no variable {name}"));
+                let error = absent(&format!("the scene has no variable `{name}`"));
                 let near = names::nearest(name, own.chain(fixed).chain(has.iter().map(String::as_str)));
                 let error = match near {
-                    Some(near) => error.hint(format!("Did you mean {near}?")),
+                    Some(near) => error.hint(format!("Did you mean `{near}`?")),
                     None => error,
                 };
                 list.push(error.hint(format!("It has {}.", has.join(", "))));
             }
             Known::Files(inputs) => {
                 let (message, hints) = match inputs.find(name) {
-                    None => (format!("the input has no variable {name}"), inputs.missing(name)),
+                    None => (format!("the input has no variable `{name}`"), inputs.missing(name)),
                     Some(Ok(())) => continue,
                     Some(Err(ambiguous)) => (ambiguous.message, ambiguous.hints),
                 };

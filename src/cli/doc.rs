@@ -1,8 +1,9 @@
 //! `pse doc`: the reference in the terminal.
 
 use super::failure::{Failure, print};
-use crate::builtin::reference::{self, Entry};
-use crate::resolve::{library_entries, names};
+use crate::builtin::reference;
+use crate::reference::entries;
+use crate::resolve::names;
 use clap::Args;
 use std::fmt::Write;
 
@@ -33,26 +34,6 @@ static INPUTS: &[(&str, &str)] = &[
     ("dPdu", "how point changes with the first of uv"),
     ("dPdv", "how point changes with the second of uv"),
 ];
-
-/// Every function, built-in or of the library, in the order of the documentation.
-pub fn entries() -> Vec<Entry> {
-    let mut all = reference::entries();
-    all.extend(library_entries().map(|e| Entry {
-        group: group(e.file),
-        name: e.name.clone(),
-        signature: e.signature.clone(),
-        brief: e.brief.clone(),
-        doc: e.doc.clone(),
-        examples: e.examples.clone(),
-    }));
-    all
-}
-
-/// `library/waves.pse` as a heading.
-fn group(file: &str) -> String {
-    let stem = file.trim_start_matches("library/").trim_end_matches(".pse");
-    format!("Library: {}", stem.replace('_', " "))
-}
 
 /// The whole reference: `docs/builtins.md`.
 pub fn markdown() -> String {

@@ -77,9 +77,14 @@ impl Bound<'_> {
         [(pixel % width) as i32 + self.origin[0], (pixel / width) as i32 + self.origin[1]]
     }
 
+    /// Does the image have that variable?
+    pub fn has(&self, name: &str) -> bool {
+        self.has.iter().any(|v| v == name)
+    }
+
     /// What to tell who reads a variable that the image does not have.
     pub fn missing_hint(&self, name: &str) -> Option<String> {
-        if self.has.iter().any(|v| v == name) || !names::USUAL_INPUTS.contains(&name) {
+        if self.has(name) || !names::USUAL_INPUTS.contains(&name) {
             return None;
         }
         Some(self.missing_hints(name).join(" "))
@@ -90,7 +95,7 @@ impl Bound<'_> {
             return missing(name);
         }
         if self.has.is_empty() {
-            return vec!["There is no input image.".into()];
+            return vec!["There is no input image that could have it.".into()];
         }
         vec![format!("The image has {}.", self.has.join(", "))]
     }
@@ -162,11 +167,11 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Result<(), Failure> {
             continue;
         }
         let known = program.params.iter().map(|p| p.name.as_str());
-        let error = Diagnostic::bare("name", format!("the program has no param {name} to set"));
-        let near = names::nearest(name, known.clone()).map(|n| format!("Did you mean {n}?"));
+        let error = Diagnostic::bare("name", format!("the program has no param `{name}` to set"));
+        let near = names::nearest(name, known.clone()).map(|n| format!("Did you mean `{n}`?"));
         let list: Vec<&str> = known.collect();
         let hint = near.unwrap_or_else(|| match list[..] {
-            [] => format!("It has no params; param {name} = 1 declares one."),
+            [] => format!("It has no params; `param {name} = 1` declares one."),
             _ => format!("Its params are {}.", list.join(", ")),
         });
         errors.push(error.hint(hint));
@@ -209,13 +214,16 @@ fn frame_values(
         machine.reset(1, true);
         machine.load(Pixels::Run(0, 1));
         for param in &program.params {
+            machine.at = param.span;
             if let Some(range) = &param.range {
                 let value = machine.eval(range, &Mask::All)?;
                 let ends: Vec<f32> = value.lane(0).collect();
                 if value.shape != crate::shape::Shape::Vector(2) || !matches!(ends[..], [a, b] if a < b) {
-                    let message = format!("the range of {} is {}", param.name, value.show(0));
-                    let error = Diagnostic::error("param", message, range.span)
-                        .hint(format!("A range is written [low high]: param {} = 1 in [0 10].", param.name));
+                    let message = format!("the range of `{}` is {}", param.name, value.show(0));
+                    let error = Diagnostic::error("param", message, range.span).hint(format!(
+                        "A range is two numbers, the lower one first: `param {} = 1 in [0 10]`.",
+                        param.name
+                    ));
                     return Err(machine.fault(error, 0));
                 }
             }
@@ -275,10 +283,10 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
             let name = global.name.as_str();
             let span = global.read?;
             if names::USUAL_INPUTS.contains(&name) || name.contains('.') {
-                let error = Diagnostic::error("input", format!("the input has no variable {name}"), span);
+                let error = Diagnostic::error("input", format!("the input has no variable `{name}`"), span);
                 return Some(bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint));
             }
-            let error = Diagnostic::error("name", format!("there is no variable {name}"), span)
+            let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
                 .label(span, "nothing assigns it, and the input has none of that name");
             let near = names::nearest(name, known.iter().copied());
             // The host may know of variables that it did not load.
@@ -287,10 +295,10 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
             let error = match near {
                 Some(near) => {
                     hints.retain(|h| !guess(h));
-                    error.hint(format!("Did you mean {near}?"))
+                    error.hint(format!("Did you mean `{near}`?"))
                 }
                 None if hints.iter().any(guess) => error,
-                None => error.hint(format!("Give it a value in a line above: {name} = 1.")),
+                None => error.hint(format!("Give it a value in a line above: `{name} = 1`.")),
             };
             if bound.missing.is_some() {
                 return Some(hints.into_iter().fold(error, Diagnostic::hint));

@@ -16,6 +16,11 @@ const GROWTH: usize = 4 << 20;
 
 type Arguments = SmallVec<[Value; 4]>;
 
+/// A value as a label shows it.
+fn found(value: &Value, lane: usize) -> String {
+    format!("{}: {}", value.shape, value.show(lane))
+}
+
 impl<'r> Machine<'r> {
     /// Computes arguments into `values`, where they stay: they are too large to be moved for nothing.
     fn arguments(&mut self, args: &'r [Expr], mask: &Mask, values: &mut Arguments) -> Result<()> {
@@ -32,11 +37,19 @@ impl<'r> Machine<'r> {
             Some(value) if fell.is_none() => Ok(value),
             _ => {
                 let function = &self.program.functions[f as usize];
-                let message = format!("{}() ended without return", function.name);
+                let message = format!("`{}()` ended without `return`", function.name);
                 let error = Diagnostic::error("value", message, span)
                     .label(span, "its value is wanted here")
                     .label(function.span, "defined here")
-                    .hint("End every way through the function with return.");
+                    .hint("End every way through the function with a `return`.");
+                let color = |g: &Global| g.name == "color" && g.assigned == Some(span);
+                let error = if self.program.globals.iter().any(color) {
+                    error.hint(
+                        "It is the last expression of a program without `color`, so its value is the colour.",
+                    )
+                } else {
+                    error
+                };
                 let lane = self.first(if fell.is_none() { mask } else { &fell });
                 Err(self.fault(error, lane))
             }
@@ -51,15 +64,28 @@ impl<'r> Machine<'r> {
         span: Span,
         mask: &Mask,
     ) -> Result<(Option<Value>, Mask)> {
-        let mut values = Arguments::new();
-        self.arguments(args, mask, &mut values)?;
-        self.step(mask, span)?;
         let program = self.program;
         let function = &program.functions[f as usize];
+        let mut values = Arguments::new();
+        for arg in args {
+            let depth = self.calls.len();
+            let value = self.eval(arg, mask).map_err(|fault| match fault {
+                Fault::Error(mut error, lane) if !span.holds(arg.span) => {
+                    // A default, written with the function: who reads the message needs to see the call.
+                    let outer = error.trace.len().saturating_sub(depth);
+                    error.trace.insert(outer, (function.name.clone(), span));
+                    Fault::Error(error, lane)
+                }
+                fault => fault,
+            });
+            values.push(value?);
+        }
+        self.step(mask, span)?;
         if self.calls.len() >= self.limits.depth as usize {
             let message = format!("calls inside of calls go deeper than {}", self.limits.depth);
             let error = Diagnostic::error("limit", message, span)
-                .hint(format!("Does the recursion of {}() end? --max-depth allows more.", function.name));
+                .hint(format!("Does the recursion of `{}()` end?", function.name))
+                .hint("A higher limit can be set (`--max-depth`).");
             return Err(self.fault(error, self.first(mask)));
         }
         let base = self.enter(values, function.locals.len(), mask);
@@ -92,6 +118,7 @@ impl<'r> Machine<'r> {
         if value.planes.len() > 4 {
             self.check_memory()?;
         }
+        self.check_shape(&value.shape, span, mask)?;
         Ok(value)
     }
 
@@ -109,15 +136,23 @@ impl<'r> Machine<'r> {
             builtin::Fault::Error { message, hint, arg, lane } => {
                 let lane = lane.unwrap_or_else(|| self.first(mask));
                 let place = arg.and_then(|i| args.get(i)).map_or(span, |e| e.span);
-                let mut error = Diagnostic::error("call", format!("{}(): {message}", builtin.name), place);
+                let name = builtin.name;
+                // Many kernels begin the sentence with the function's name.
+                let message = match message.strip_prefix(name).filter(|rest| rest.starts_with(' ')) {
+                    Some(rest) => format!("`{name}()`{rest}"),
+                    None if message.starts_with("meets ") => format!("`{name}()` {message}"),
+                    None => format!("`{name}()`: {message}"),
+                };
+                let mut error = Diagnostic::error("call", message, place);
                 for (i, (e, value)) in args.iter().zip(values).enumerate() {
-                    // Without a culprit, the reader needs to see all that met; defaults stand nowhere.
-                    if arg.is_none_or(|culprit| culprit == i) && e.span != span {
-                        error = error.label(e.span, format!("{} {}", value.shape, value.show(lane)));
+                    // The reader needs to see all that met; defaults stand nowhere, and numbers for themselves.
+                    let plain = matches!(e.kind, ExprKind::Number(_)) && arg != Some(i);
+                    if e.span != span && !plain {
+                        error = error.label(e.span, found(value, lane));
                     }
                 }
-                let usage = format!("It is called as {}.", builtin.signature());
-                error = error.hint(hint.unwrap_or(usage));
+                let usage = format!("It is called as `{}`.", builtin.signature());
+                error = hint.into_iter().fold(error, Diagnostic::hint).hint(usage);
                 self.fault(error, lane)
             }
         }
@@ -133,7 +168,11 @@ impl<'r> Machine<'r> {
         let mut values = Arguments::new();
         self.arguments(args, mask, &mut values)?;
         let failed = |machine: &Machine<'_>, why: String, lane: usize| {
-            let error = Diagnostic::error("call", format!("{}(): {why}", host.name()), span);
+            let mut error = Diagnostic::error("call", format!("`{}()`: {why}", host.name()), span);
+            for (e, value) in args.iter().zip(&values).filter(|(e, _)| !matches!(e.kind, ExprKind::Number(_)))
+            {
+                error = error.label(e.span, found(value, lane));
+            }
             machine.fault(error, lane)
         };
         if let Some(outcome) = host.call_batch(&values, self.n) {

@@ -1,6 +1,7 @@
 //! Expressions.
 
 use super::fault::{Fault, Result};
+use super::limits::NESTING;
 use super::machine::{Machine, blend};
 use super::ops;
 use crate::builtin::map2;
@@ -98,10 +99,10 @@ impl<'r> Machine<'r> {
         ops::binary(self.isa, self.n, op, left, right).map_err(|mismatch| {
             let lane = self.first(mask);
             let message =
-                format!("{} meets vectors of different lengths, {} and {}", op.symbol(), mismatch.left, mismatch.right);
+                format!("`{}` meets vectors of different lengths, {} and {}", op.symbol(), mismatch.left, mismatch.right);
             let error = Diagnostic::error("shape", message, span)
-                .label(left_span, format!("{} {}", left.shape, left.show(lane)))
-                .label(right_span, format!("{} {}", right.shape, right.show(lane)))
+                .label(left_span, format!("{}: {}", left.shape, left.show(lane)))
+                .label(right_span, format!("{}: {}", right.shape, right.show(lane)))
                 .hint("Operators work component by component: both vectors need the same length, or one side is a scalar.");
             self.fault(error, lane)
         })
@@ -119,7 +120,7 @@ impl<'r> Machine<'r> {
         let lane = self.first(mask);
         let error = Diagnostic::error("shape", format!("the condition is {}", condition.shape), span)
             .label(span, condition.show(lane))
-            .hint("A condition is a scalar: all(…) asks whether every component is true, any(…) whether one is.");
+            .hint("A condition is a scalar: `all(…)` asks whether every component is true, `any(…)` whether one is.");
         Err(self.fault(error, lane))
     }
 
@@ -182,7 +183,9 @@ impl<'r> Machine<'r> {
             self.check_cells(planes.len(), span, mask)?;
         }
         self.check_memory()?;
-        Ok(Value { shape: Shape::vector_of(&shapes), planes })
+        let shape = Shape::vector_of(&shapes);
+        self.check_shape(&shape, span, mask)?;
+        Ok(Value { shape, planes })
     }
 
     /// `a .. b`: a, a+1, … up to b.
@@ -191,12 +194,12 @@ impl<'r> Machine<'r> {
         let last = self.eval(b, mask)?;
         for (value, e) in [(&first, a), (&last, b)] {
             if !value.shape.is_scalar() {
-                let message = format!("the end of a range is {}", value.shape);
                 let lane = self.first(mask);
-                return Err(self.fault(
-                    Diagnostic::error("shape", message, e.span).hint("Both ends are scalars."),
-                    lane,
-                ));
+                let error =
+                    Diagnostic::error("shape", format!("the end of a range is {}", value.shape), e.span)
+                        .label(e.span, value.show(lane))
+                        .hint("A range goes from one number to another: `[1 .. 10]`.");
+                return Err(self.fault(error, lane));
             }
         }
         let n = self.n;
@@ -212,8 +215,10 @@ impl<'r> Machine<'r> {
             }
         }
         if length.is_nan() {
-            let message = format!("a range from {} to {}", first.show(lane), last.show(lane));
-            return Err(self.fault(Diagnostic::error("range", message, a.span.to(b.span)), lane));
+            let message = format!("a range from {} to {} has no length", first.show(lane), last.show(lane));
+            let error = Diagnostic::error("range", message, a.span.to(b.span))
+                .hint("NaN comes from operations without a result, such as `0 / 0` and `sqrt(-1)`.");
+            return Err(self.fault(error, lane));
         }
         let length = length.max(0.0);
         self.check_cells(length as usize, a.span.to(b.span), mask)?;
@@ -226,13 +231,33 @@ impl<'r> Machine<'r> {
             .collect())
     }
 
+    /// Ends a program whose vectors hold too many others, or nest too deep.
+    pub fn check_shape(&self, shape: &Shape, span: Span, mask: &Mask) -> Result<()> {
+        if !matches!(shape, Shape::Nested(_)) {
+            return Ok(());
+        }
+        let (size, depth) = shape.extent();
+        if depth > NESTING {
+            let error = Diagnostic::error(
+                "limit",
+                format!("vectors inside of vectors go deeper than {NESTING}"),
+                span,
+            )
+            .hint("`append(v, x)` adds an element to a vector; `[v x]` makes a new one around it.");
+            return Err(self.fault(error, self.first(mask)));
+        }
+        // Each number in a vector of its own counts twice; a vector of empty ones has no numbers at all.
+        self.check_cells(size / 2, span, mask)
+    }
+
     /// Ends a program whose vector grows too long.
     pub fn check_cells(&self, cells: usize, span: Span, mask: &Mask) -> Result<()> {
         if cells <= self.limits.cells {
             return Ok(());
         }
-        let message = format!("the vector has more than {} components", self.limits.cells);
-        let error = Diagnostic::error("limit", message, span).hint("--max-vector allows more.");
+        let message = format!("the vector has more than {} elements", self.limits.cells);
+        let error =
+            Diagnostic::error("limit", message, span).hint("A higher limit can be set (`--max-vector`).");
         Err(self.fault(error, self.first(mask)))
     }
 }

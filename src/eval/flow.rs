@@ -23,6 +23,7 @@ impl<'r> Machine<'r> {
     }
 
     fn exec(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
+        self.at = stmt.span;
         match &stmt.kind {
             StmtKind::Assign { place, name, path, op, value } => {
                 self.assign(*place, *name, path, *op, value, mask)?;
@@ -124,9 +125,9 @@ impl<'r> Machine<'r> {
         let elements = self.eval(vector, mask)?;
         let Some(count) = elements.shape.len() else {
             let lane = self.first(mask);
-            let error = Diagnostic::error("shape", "for needs a vector to go through", vector.span)
-                .label(vector.span, format!("a scalar, {}", elements.show(lane)))
-                .hint("To count write a range, as in: for i in [1 .. 10]");
+            let error = Diagnostic::error("shape", "`for` needs a vector to go through", vector.span)
+                .label(vector.span, format!("a scalar: {}", elements.show(lane)))
+                .hint("To count, write a range: `for i in [1 .. 10]`.");
             return Err(self.fault(error, lane));
         };
         let mut left = Mask::None;

@@ -28,9 +28,18 @@ impl Machine<'_> {
             return Err(self.no_vector(value, span, mask));
         }
         if index.shape != Shape::Scalar {
-            let picked: Result<Vec<Value>> =
-                index.elements().map(|i| self.index(value, &i, span, index_span, mask)).collect();
-            return Ok(Value::vector_of(picked?));
+            let mut picked: Vec<Value> = Vec::new();
+            let mut cells = 0;
+            for i in index.elements() {
+                let element = self.index(value, &i, span, index_span, mask)?;
+                cells += element.planes.len();
+                // Before it is built: a large element may be picked many times.
+                self.check_cells(cells, index_span, mask)?;
+                picked.push(element);
+            }
+            let picked = Value::vector_of(picked);
+            self.check_shape(&picked.shape, index_span, mask)?;
+            return Ok(picked);
         }
         match self.pick(value, &index.planes[0], value.shape.len().unwrap_or(0), index_span, mask)? {
             Picked::One(i) => Ok(value.element(i)),
@@ -66,11 +75,11 @@ impl Machine<'_> {
                 return Ok(i as usize - 1);
             }
             let count = value.shape.len().unwrap_or(0);
-            let message = match count {
-                0 => format!("there is no element {} in an empty vector", number(x)),
-                1 => format!("there is no element {} in a vector of 1", number(x)),
-                _ => format!("there is no element {} in a vector of {count}", number(x)),
-            };
+            let mut asked = number(i);
+            if i != x && x.is_finite() {
+                asked += &format!(" ({}, rounded)", number(x));
+            }
+            let message = format!("there is no element {asked} in {}", value.shape);
             let shown =
                 if value.shape.len().is_some_and(|n| n <= 8) { value.show(lane) } else { String::new() };
             let mut error = Diagnostic::error("index", message, span);
@@ -78,7 +87,10 @@ impl Machine<'_> {
                 error = error.label(span, format!("the vector is {shown}"));
             }
             error = match count {
-                0 => error.hint("A vector grows one element at a time: assign to [1] first."),
+                _ if last > count => {
+                    error.hint(format!("A vector grows one element at a time: the next one is [{last}]."))
+                }
+                0 => error.hint("`size(…)` tells how many elements there are."),
                 _ if i == 0.0 => error.hint(format!("Elements are counted from 1: [1] to [{count}].")),
                 _ => error.hint(format!("It has the elements [1] to [{count}].")),
             };
@@ -105,15 +117,22 @@ impl Machine<'_> {
         }
         let lane = self.first(mask);
         let letter = ["x", "y", "z", "w"].get(i as usize).copied().unwrap_or("x");
-        let message = format!("there is no component .{letter} in {}", value.shape);
-        let error = Diagnostic::error("index", message, span).label(base, value.show(lane));
+        let message = format!("there is no component `.{letter}` in {}", value.shape);
+        // The dot and its letter.
+        let member = Span { start: base.end.clamp(span.start, span.end), ..span };
+        let error = Diagnostic::error("index", message, member).label(base, value.show(lane));
+        let last = ["x", "y", "z", "w"][..count.min(4)].last();
+        let error = match last {
+            Some(last) => error.hint(format!("Its last component is `.{last}`.")),
+            None => error,
+        };
         Err(self.fault(error, lane))
     }
 
     fn no_vector(&self, value: &Value, span: Span, mask: &Mask) -> Fault {
         let lane = self.first(mask);
         let error = Diagnostic::error("shape", "a scalar has no elements", span)
-            .label(span, format!("a scalar, {}", value.show(lane)))
+            .label(span, format!("a scalar: {}", value.show(lane)))
             .hint("Only vectors have elements and components.");
         self.fault(error, lane)
     }

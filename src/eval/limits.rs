@@ -13,6 +13,9 @@ pub struct Limits {
     pub memory: usize,
 }
 
+/// Vectors inside of vectors. What walks over a value takes stack for each level.
+pub(super) const NESTING: usize = 64;
+
 impl Default for Limits {
     fn default() -> Limits {
         Limits { steps: 100_000, depth: 256, cells: 65_536, memory: 512 << 20 }

@@ -5,6 +5,7 @@ use super::fault::{Fault, Result};
 use super::limits::Limits;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::lanes::Isa;
+use crate::resolve::names;
 use crate::resolve::tree::*;
 use crate::value::{Lanes, Mask, Plane, Value, Width, live_bytes};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,6 +57,8 @@ pub(super) struct Machine<'r> {
     pub frames: Vec<Frame>,
     /// The calls that led here, outermost first.
     pub calls: Vec<(u32, Span)>,
+    /// The statement that runs, for faults that have no place of their own.
+    pub at: Span,
     /// Values of [`ExprKind::Kept`].
     pub kept: Vec<Option<Value>>,
     /// Steps of the batch: no lane has taken more.
@@ -85,6 +88,7 @@ impl<'r> Machine<'r> {
             loops: Vec::new(),
             frames: Vec::new(),
             calls: Vec::new(),
+            at: Span::default(),
             kept: vec![None; program.kept],
             steps: 0,
             counts: None,
@@ -145,10 +149,8 @@ impl<'r> Machine<'r> {
             _ => 0,
         };
         let error = Diagnostic::error("limit", format!("the program took more than {limit} steps"), span)
-            .hint(
-                "Does the loop end? Look whether what its condition tests is changed in its block. Rounds of loops \
-                 and calls count as steps; --max-steps allows more.",
-            );
+            .hint("Does every loop end? Look whether its block changes what its condition tests.")
+            .hint("Each round of a loop and each call is a step. A higher limit can be set (`--max-steps`).");
         Err(self.fault(error, lane))
     }
 
@@ -158,7 +160,6 @@ impl<'r> Machine<'r> {
             .calls
             .iter()
             .rev()
-            .take(8)
             .map(|(f, span)| (self.program.functions[*f as usize].name.clone(), *span))
             .collect();
         Fault::Error(Box::new(error), lane)
@@ -209,22 +210,29 @@ impl<'r> Machine<'r> {
 
     fn no_value(&self, place: Place, span: Span, lane: usize) -> Fault {
         let name = self.name(place);
-        let mut error = Diagnostic::error("value", format!("{name} has no value yet"), span)
-            .label(span, "read before anything was assigned to it at this pixel");
+        let mut error = Diagnostic::error("value", format!("`{name}` has no value here"), span)
+            .label(span, "read before anything was assigned to it");
         error = match place {
             Place::Local(_) => {
-                let outer = self.program.globals.iter().any(|g| g.name == name && !g.library);
+                // An image may have more variables than the program reads.
+                let outer = self.program.globals.iter().any(|g| g.name == name && !g.library)
+                    || self.bound.has(name)
+                    || names::USUAL_INPUTS.contains(&name);
                 if outer {
-                    error.hint(format!(
-                        "A function that assigns {name} has a {name} of its own; it cannot change the outer one. \
-                         Return the new value, or use another name inside."
-                    ))
+                    error
+                        .hint(format!(
+                            "A function that assigns `{name}` has a `{name}` of its own, and never changes the outer \
+                             one."
+                        ))
+                        .hint("Return the new value, or use another name inside of the function.")
                 } else {
-                    error.hint(format!("Give {name} a value on every way that leads here."))
+                    error.hint(format!(
+                        "Give `{name}` a value on every way that leads here, for instance `{name} = 0` in a line above."
+                    ))
                 }
             }
             Place::Global(_) => error.hint(format!(
-                "Give {name} a value on every way that leads here, for instance {name} = 0 before the if."
+                "Give `{name}` a value on every way that leads here, for instance `{name} = 0` in a line above."
             )),
         };
         if let Place::Global(_) = place
@@ -262,7 +270,9 @@ impl<'r> Machine<'r> {
         }
         let megabytes = self.limits.memory >> 20;
         let message = format!("the program's variables take more than {megabytes} megabytes at this pixel");
-        Err(self.fault(Diagnostic::bare("limit", message).hint("--max-memory allows more."), 0))
+        let error =
+            Diagnostic::error("limit", message, self.at).hint("A higher limit can be set (`--max-memory`).");
+        Err(self.fault(error, 0))
     }
 
     /// Fills the variables that the program may change, and those that differ from pixel to pixel.

@@ -1,7 +1,9 @@
 //! The output variables: their shapes over all pixels, and the planes they are written to.
 
 use super::machine::{Machine, Pixels};
+use crate::diagnostic::Diagnostic;
 use crate::image::Variable;
+use crate::resolve::names;
 use crate::resolve::tree::Resolved;
 use crate::shape::Shape;
 use crate::value::{Mask, Plane};
@@ -135,4 +137,42 @@ pub(super) fn default_names(program: &Resolved) -> Vec<String> {
         return std::iter::once("color".to_string()).chain(alpha).collect();
     }
     assigned.into_iter().map(String::from).collect()
+}
+
+/// The error of an output that has `shape` at a pixel, and what does not go with it at the pixel `seen`.
+pub(super) fn misfits(
+    program: &Resolved,
+    output: &Output<'_>,
+    shape: &Shape,
+    seen: Option<[i32; 2]>,
+) -> Diagnostic {
+    let name = &output.name;
+    let error = if output.color_has(shape) {
+        let other = match seen {
+            Some([column, row]) => format!("at pixel [{column} {row}]"),
+            None => "elsewhere".to_string(),
+        };
+        Diagnostic::bare("output", format!("`{name}` is {} {other}, and {shape} here", output.shape))
+            .hint("An output has one shape at all pixels; only a scalar is spread over a vector.")
+    } else {
+        Diagnostic::bare("output", format!("`color` is {shape}, which is no colour"))
+            .hint("A colour is a scalar (grey), `[red green blue]`, or `[red green blue alpha]`.")
+    };
+    match output.slot.and_then(|i| program.globals[i as usize].assigned) {
+        Some(span) => error.label(span, "first assigned here"),
+        None => error,
+    }
+}
+
+/// The error of an output that the program does not have.
+pub(super) fn missing(program: &Resolved, name: &str) -> Diagnostic {
+    let assigned: Vec<&str> = program.assigned().collect();
+    let error = Diagnostic::bare("output", format!("there is no variable `{name}` to write"));
+    if let Some(near) = names::nearest(name, assigned.iter().copied()) {
+        return error.hint(format!("Did you mean `{near}`?"));
+    }
+    if assigned.is_empty() {
+        return error.hint("The program assigns no variable at all.");
+    }
+    error.hint(format!("The program assigns {}.", assigned.join(", ")))
 }

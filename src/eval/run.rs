@@ -267,7 +267,7 @@ impl<'r> Job<'r> {
             let framed = slot.filter(|&i| program.globals[i as usize].framed.is_some());
             let slot = assigned.or(shown).or(framed);
             if slot.is_none() && input.is_none() {
-                errors.push(no_output(program, &name));
+                errors.push(output::missing(program, &name));
                 continue;
             }
             let shape = match (slot, input) {
@@ -279,7 +279,7 @@ impl<'r> Job<'r> {
         if outputs.is_empty() && errors.is_empty() {
             errors.push(
                 Diagnostic::bare("output", "the program gives nothing to write")
-                    .hint("Assign to color, or end with an expression: color = white * Noise(8 * point)."),
+                    .hint("Assign to `color`, as in `color = white * Noise(8 * point)`, or end with an expression alone."),
             );
         }
         if errors.is_empty() {
@@ -341,24 +341,8 @@ impl<'r> Job<'r> {
             output.seen = Some(misfit.pixel);
             return Ok(());
         }
-        let name = &output.name;
-        let mut error = if output.color_has(&misfit.shape) {
-            let other = output.seen.map_or(String::new(), |p| {
-                let [column, row] = self.bound.position(p);
-                format!(" at pixel [{column} {row}]")
-            });
-            Diagnostic::bare(
-                "output",
-                format!("{name} is {} here, and {}{other}", misfit.shape, output.shape),
-            )
-            .hint("An output has one shape at all pixels; only a scalar is spread over a vector.")
-        } else {
-            Diagnostic::bare("output", format!("color is {}", misfit.shape))
-                .hint("A colour is a scalar (grey), [red green blue], or [red green blue alpha].")
-        };
-        if let Some(span) = output.slot.and_then(|i| self.program.globals[i as usize].assigned) {
-            error = error.label(span, "");
-        }
+        let seen = output.seen.map(|p| self.bound.position(p));
+        let mut error = output::misfits(self.program, output, &misfit.shape, seen);
         error.pixel = Some(self.bound.position(misfit.pixel));
         Err(Failure::Program(vec![error]))
     }
@@ -499,16 +483,4 @@ fn chunks(planes: &mut [Vec<Vec<f32>>], total: usize) -> Vec<Chunk<'_>> {
         }
     }
     chunks
-}
-
-fn no_output(program: &Resolved, name: &str) -> Diagnostic {
-    let assigned: Vec<&str> = program.assigned().collect();
-    let error = Diagnostic::bare("output", format!("there is no variable {name} to write"));
-    if let Some(near) = crate::resolve::names::nearest(name, assigned.iter().copied()) {
-        return error.hint(format!("Did you mean {near}?"));
-    }
-    if assigned.is_empty() {
-        return error.hint("The program assigns no variable at all.");
-    }
-    error.hint(format!("The program assigns {}.", assigned.join(", ")))
 }

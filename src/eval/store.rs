@@ -60,9 +60,10 @@ impl<'r> Machine<'r> {
                     match value.shape {
                         Shape::Scalar => Ok(At { index: value.planes[0].clone(), span: e.span }),
                         _ => {
-                            let message = format!("an element to assign to is named by {}", value.shape);
+                            let message = format!("one element is assigned at a time, and the index is {}", value.shape);
                             let error = Diagnostic::error("shape", message, e.span)
-                                .hint("Assign to one element at a time: its index is a scalar.");
+                                .label(e.span, value.show(self.first(mask)))
+                                .hint("A loop assigns to several: `for i in [1 3]` with the assignment in its block.");
                             Err(self.fault(error, self.first(mask)))
                         }
                     }
@@ -107,6 +108,7 @@ impl<'r> Machine<'r> {
         let alone = slot.defined.is_subset(mask, width);
         let value = self.stored(current, path, name, new, mask, alone)?;
         self.check_cells(value.planes.len(), name, mask)?;
+        self.check_shape(&value.shape, name, mask)?;
         *self.slot(place) = Slot { value: Some(value), defined: slot.defined.or(mask, width) };
         Ok(())
     }
@@ -132,8 +134,8 @@ impl<'r> Machine<'r> {
         let Some(len) = current.shape.len() else {
             let lane = self.first(mask);
             let error = Diagnostic::error("shape", "a scalar has no elements to assign to", name)
-                .label(name, format!("a scalar, {}", current.show(lane)))
-                .hint("Make it a vector first: v = [0 0 0].");
+                .label(name, format!("a scalar: {}", current.show(lane)))
+                .hint("Make it a vector first, as in `v = [0 0 0]`.");
             return Err(self.fault(error, lane));
         };
         // One past the end is where the vector grows.

@@ -10,12 +10,35 @@ use crate::syntax::{self, ast};
 
 /// What a call's arguments are matched with.
 struct Signature {
-    /// As it is written, for messages.
+    /// The function's name.
+    name: String,
+    /// As a call is written, for messages.
     text: String,
-    /// Names in order, and whether each may be left out.
-    params: Vec<(String, bool)>,
+    /// In order.
+    params: Vec<Parameter>,
     /// If the last one takes any number: at least so many.
     rest: Option<usize>,
+}
+
+/// A parameter as a call sees it.
+struct Parameter {
+    name: String,
+    /// May it be left out?
+    optional: bool,
+    /// The strings that it takes, if it does.
+    choice: Option<&'static [&'static str]>,
+}
+
+impl Parameter {
+    fn value(name: &str, optional: bool) -> Parameter {
+        Parameter { name: name.into(), optional, choice: None }
+    }
+}
+
+impl Signature {
+    fn usage(&self) -> String {
+        format!("It is called as `{}`.", self.text)
+    }
 }
 
 impl Resolver<'_> {
@@ -32,8 +55,9 @@ impl Resolver<'_> {
             self.call_function(function, index, false, args, span, scope)
         } else if let Some(host) = self.hosts.get(&name.text).filter(|_| !scope.library).cloned() {
             let signature = Signature {
+                name: name.text.clone(),
                 text: host.signature(),
-                params: host.params().iter().map(|p| (p.clone(), false)).collect(),
+                params: host.params().iter().map(|p| Parameter::value(p, false)).collect(),
                 rest: None,
             };
             self.arguments(&signature, args, span, scope)
@@ -69,19 +93,26 @@ impl Resolver<'_> {
 
     fn unknown_function(&self, name: &ast::Name, scope: &Scope) -> Diagnostic {
         let error = |message: String| Diagnostic::error("name", message, name.span);
-        let local = scope.locals.as_ref().is_some_and(|l| l.contains_key(&name.text));
+        let written = &name.text;
+        let local = scope.locals.as_ref().is_some_and(|l| l.contains_key(written));
         let variable = local
-            || names::constant(&name.text).is_some()
+            || names::constant(written).is_some()
+            || names::is_system(written)
+            || names::USUAL_INPUTS.contains(&written.as_str())
             || self
                 .out
                 .globals
                 .iter()
-                .any(|g| g.name == name.text && (g.assigned.is_some() || g.framed.is_some()));
+                .any(|g| g.name == *written && (g.assigned.is_some() || g.framed.is_some()));
         if variable {
-            return error(format!("{} is a variable, no function", name.text))
-                .hint(format!("To take an element of a vector write {}[1].", name.text));
+            return error(format!("`{written}` is a variable, not a function")).hint(format!(
+                "To multiply, write `{written} * (…)`; to take an element of a vector, `{written}[1]`."
+            ));
         }
-        let error = error(format!("there is no function {}()", name.text));
+        let error = error(format!("there is no function `{written}()`"));
+        if let Some(ours) = names::of_other_languages(written) {
+            return error.hint(ours);
+        }
         let known = self
             .own
             .keys()
@@ -89,9 +120,9 @@ impl Resolver<'_> {
             .map(String::as_str)
             .chain(library::entries().map(|e| e.name.as_str()))
             .chain(builtin::all().map(|b| b.name));
-        match names::nearest(&name.text, known) {
-            Some(near) => error.hint(format!("Did you mean {near}()?")),
-            None => error.hint("pse doc lists the built-in functions; function name(a, b) defines one."),
+        match names::nearest(written, known) {
+            Some(near) => error.hint(format!("Did you mean `{near}()`?")),
+            None => error.hint(format!("To define it, write `function {written}(…)` and its block below.")),
         }
     }
 
@@ -114,9 +145,14 @@ impl Resolver<'_> {
         if scope.frame {
             self.framed_calls.push((index, span));
         }
-        let params: Vec<(String, bool)> =
-            function.params.iter().map(|(name, default)| (name.text.clone(), default.is_some())).collect();
-        let signature = Signature { text: self.signature(function), params, rest: None };
+        let params =
+            function.params.iter().map(|(name, default)| Parameter::value(&name.text, default.is_some()));
+        let signature = Signature {
+            name: function.name.text.clone(),
+            text: self.signature(function),
+            params: params.collect(),
+            rest: None,
+        };
         let given = self.arguments(&signature, args, span, scope)?;
         let mut outer = Scope { library, frame: scope.frame, ..Scope::default() };
         let args = given.into_iter().zip(&function.params).filter_map(|(given, (_, default))| {
@@ -138,68 +174,24 @@ impl Resolver<'_> {
             ParamKind::Rest(least) => Some(least),
             _ => None,
         });
-        let optional = |p: &builtin::Param| p.default.is_some() || matches!(p.kind, ParamKind::Choice(_));
-        let params = builtin.params.iter().map(|p| (p.name.to_string(), optional(p))).collect();
-        let signature = Signature { text: builtin.signature(), params, rest };
-        // Strings are taken out first: they are no values.
-        let mut choices = Vec::new();
-        let mut values: Vec<ast::Argument> = Vec::new();
-        for (position, arg) in args.iter().enumerate() {
-            match &*arg.value.kind {
-                ast::ExprKind::Text(text) => choices.push((position, arg, text)),
-                _ => values.push(arg.clone()),
-            }
-        }
-        let mut chosen: Vec<(usize, f32)> = Vec::new();
-        for (position, arg, text) in choices {
-            let named = match &arg.name {
-                Some(name) => builtin.params.iter().position(|p| p.name == name.text),
-                None => Some(position).filter(|&i| i < builtin.params.len()),
-            };
-            let error = |message: String| Diagnostic::error("string", message, arg.value.span);
-            match named.map(|i| (i, builtin.params[i].kind)) {
-                Some((i, ParamKind::Choice(of))) => match of.iter().position(|c| c == text) {
-                    Some(choice) => chosen.push((i, choice as f32)),
-                    None => {
-                        let param = builtin.params[i].name;
-                        let mut error = error(format!("{}() knows no {param} \"{text}\"", builtin.name));
-                        if let Some(near) = names::nearest(text, of.iter().copied()) {
-                            error = error.hint(format!("Did you mean \"{near}\"?"));
-                        }
-                        let list: Vec<String> = of.iter().map(|c| format!("\"{c}\"")).collect();
-                        self.errors.push(error.hint(format!("It knows {}.", list.join(", "))));
-                        return None;
-                    }
-                },
-                _ => {
-                    let message = format!("{}() takes no string here", builtin.name);
-                    self.errors.push(error(message).hint(format!("It is called as {}.", signature.text)));
-                    return None;
-                }
-            }
-        }
-        let given = self.arguments(&signature, &values, span, scope)?;
+        let params = builtin.params.iter().map(|p| match p.kind {
+            ParamKind::Choice(of) => Parameter { name: p.name.into(), optional: true, choice: Some(of) },
+            _ => Parameter::value(p.name, p.default.is_some()),
+        });
+        let signature = Signature {
+            name: builtin.name.into(),
+            text: builtin.signature(),
+            params: params.collect(),
+            rest,
+        };
+        let given = self.arguments(&signature, args, span, scope)?;
         let mut args = Vec::new();
-        for (i, (given, param)) in given.into_iter().zip(builtin.params).enumerate() {
-            match (param.kind, given) {
-                (ParamKind::Choice(_), None) => {
-                    let choice = chosen.iter().find(|(at, _)| *at == i).map_or(0.0, |(_, choice)| *choice);
-                    args.push(Expr { kind: ExprKind::Number(choice), span });
-                }
-                (ParamKind::Choice(_), Some(values)) => {
-                    let span = values.first().map_or(span, |v| v.span);
-                    let message = format!("{}() wants a string for {}", builtin.name, param.name);
-                    let error = Diagnostic::error("string", message, span)
-                        .hint(format!("It is called as {}.", signature.text));
-                    self.errors.push(error);
-                    return None;
-                }
-                (_, Some(values)) => args.extend(values),
-                (_, None) => {
-                    if let Some(text) = param.default {
-                        args.push(self.default(text, span, scope));
-                    }
-                }
+        for (given, param) in given.into_iter().zip(builtin.params) {
+            match (given, param.default) {
+                (Some(values), _) => args.extend(values),
+                (None, Some(text)) => args.push(self.default(text, span, scope)),
+                // The first of its strings is a choice's default.
+                (None, None) => args.push(Expr { kind: ExprKind::Number(0.0), span }),
             }
         }
         Some(ExprKind::Builtin(builtin, args))
@@ -218,7 +210,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Matches arguments with parameters: for each the values given, `None` where its default is to be used.
+    /// Matches arguments with parameters: for each the values given, `None` where its default is to be used. A
+    /// string becomes its number among those that the parameter takes.
     fn arguments(
         &mut self,
         signature: &Signature,
@@ -226,80 +219,136 @@ impl Resolver<'_> {
         span: Span,
         scope: &mut Scope,
     ) -> Option<Vec<Option<Vec<Expr>>>> {
+        let before = self.errors.len();
         let mut given: Vec<Option<Vec<Expr>>> = signature.params.iter().map(|_| None).collect();
-        let mut ok = true;
         let last = signature.params.len().wrapping_sub(1);
-        let usage = format!("It is called as {}.", signature.text);
         let mut position = 0;
-        let mut extra = Vec::new();
+        let mut extra: Vec<Span> = Vec::new();
         for arg in args {
-            let value = self.expr(&arg.value, scope);
             let index = match &arg.name {
                 None => {
                     position += 1;
                     let index = position - 1;
                     if signature.rest.is_some() { index.min(last) } else { index }
                 }
-                Some(name) => match signature.params.iter().position(|(p, _)| *p == name.text) {
+                Some(name) => match signature.params.iter().position(|p| p.name == name.text) {
                     Some(index) => index,
                     None => {
-                        let params = signature.params.iter().map(|(p, _)| p.as_str());
-                        let near = names::nearest(&name.text, params).map(|n| format!("Did you mean {n}?"));
-                        let message = format!("there is no parameter called {}", name.text);
-                        let error = Diagnostic::error("arity", message, name.span)
-                            .hint(near.unwrap_or(usage.clone()));
-                        self.errors.push(error);
-                        ok = false;
+                        self.expr(&arg.value, scope);
+                        self.errors.push(unknown_parameter(signature, name));
                         continue;
                     }
                 },
             };
-            match given.get_mut(index) {
-                None => extra.push(value.span),
-                Some(Some(values)) if signature.rest.is_some() && index == last => values.push(value),
-                Some(Some(_)) => {
-                    let message = format!("{} is given twice", signature.params[index].0);
-                    self.errors.push(Diagnostic::error("arity", message, arg.value.span).hint(usage.clone()));
-                    ok = false;
+            let Some(param) = signature.params.get(index) else {
+                self.expr(&arg.value, scope);
+                extra.push(arg.value.span);
+                continue;
+            };
+            let Some(value) = self.argument(signature, param, &arg.value, scope) else { continue };
+            match &mut given[index] {
+                Some(values) if signature.rest.is_some() && index == last => values.push(value),
+                Some(_) => {
+                    let error = Diagnostic::error(
+                        "arity",
+                        format!("`{}` is given twice", param.name),
+                        arg.value.span,
+                    )
+                    .label(arg.value.span, "a second value for it")
+                    .hint(signature.usage());
+                    self.errors.push(error);
                 }
-                Some(slot) => *slot = Some(vec![value]),
+                slot => *slot = Some(vec![value]),
             }
         }
-        let name = signature.text.split('(').next().unwrap_or_default();
+        let name = &signature.name;
         if let (Some(first), Some(end)) = (extra.first(), extra.last()) {
             let n = signature.params.len();
+            let most = if signature.params.iter().any(|p| p.optional) { "at most " } else { "" };
             let s = if n == 1 { "" } else { "s" };
-            let message = format!("{name}() takes {n} argument{s}, found {}", args.len());
+            let message = format!("`{name}()` takes {most}{n} argument{s}, found {}", args.len());
             let error = Diagnostic::error("arity", message, first.to(*end))
                 .label(first.to(*end), if extra.len() == 1 { "one too many" } else { "too many" })
-                .hint(usage.clone());
+                .hint(signature.usage());
             self.errors.push(error);
-            ok = false;
         }
-        let missing: Vec<&str> = signature
-            .params
-            .iter()
-            .zip(&given)
-            .enumerate()
-            .filter(|(i, ((_, optional), values))| {
-                let count = values.as_ref().map_or(0, Vec::len);
-                match signature.rest {
-                    Some(least) if *i == last => count < least,
-                    _ => count == 0 && !optional,
-                }
-            })
-            .map(|(_, ((name, _), _))| name.as_str())
-            .collect();
-        if ok && !missing.is_empty() {
-            let message = match signature.rest {
-                Some(least) if missing.contains(&signature.params[last].0.as_str()) && least > 1 => {
-                    format!("{name}() wants at least {} arguments, found {}", last + least, args.len())
-                }
-                _ => format!("{name}() is called without {}", missing.join(", ")),
-            };
-            self.errors.push(Diagnostic::error("arity", message, span).hint(usage));
-            ok = false;
+        if self.errors.len() > before {
+            return None;
         }
-        ok.then_some(given)
+        let missing = signature.params.iter().zip(&given).enumerate().filter(|(i, (param, values))| {
+            let count = values.as_ref().map_or(0, Vec::len);
+            match signature.rest {
+                Some(least) if *i == last => count < least,
+                _ => count == 0 && !param.optional,
+            }
+        });
+        let missing: Vec<String> = missing.map(|(_, (param, _))| format!("`{}`", param.name)).collect();
+        if missing.is_empty() {
+            return Some(given);
+        }
+        let message = match signature.rest {
+            Some(least) => {
+                format!("`{name}()` takes at least {} arguments, found {}", last + least, args.len())
+            }
+            None => format!("`{name}()` is called without {}", missing.join(", ")),
+        };
+        self.errors.push(Diagnostic::error("arity", message, span).hint(signature.usage()));
+        None
     }
+
+    /// The value of an argument for a parameter; `None` after an error.
+    fn argument(
+        &mut self,
+        signature: &Signature,
+        param: &Parameter,
+        value: &ast::Expr,
+        scope: &mut Scope,
+    ) -> Option<Expr> {
+        let name = &signature.name;
+        let error = |message: String| Diagnostic::error("string", message, value.span);
+        let (error, written) = match (&*value.kind, param.choice) {
+            (_, None) if !matches!(&*value.kind, ast::ExprKind::Text(_)) => {
+                return Some(self.expr(value, scope));
+            }
+            (ast::ExprKind::Text(text), Some(of)) => match of.iter().position(|c| c == text) {
+                Some(choice) => {
+                    return Some(Expr { kind: ExprKind::Number(choice as f32), span: value.span });
+                }
+                None => (error(format!("`{name}()` knows no {} \"{text}\"", param.name)), text.as_str()),
+            },
+            (ast::ExprKind::Name(text), Some(_)) => {
+                (error(format!("`{name}()` takes a string for `{}`", param.name)), text.as_str())
+            }
+            (_, Some(_)) => (error(format!("`{name}()` takes a string for `{}`", param.name)), ""),
+            (_, None) => {
+                let error = error(format!("`{name}()` takes no string for `{}`", param.name));
+                self.errors.push(error.hint(signature.usage()));
+                return None;
+            }
+        };
+        let of = param.choice.unwrap_or_default();
+        let error = match of
+            .iter()
+            .copied()
+            .find(|c| *c == written)
+            .or_else(|| names::nearest(written, of.iter().copied()))
+        {
+            Some(near) if near == written => error.hint(format!("Write it in quotes: \"{near}\".")),
+            Some(near) => error.hint(format!("Did you mean \"{near}\"?")),
+            None => error,
+        };
+        let list: Vec<String> = of.iter().map(|c| format!("\"{c}\"")).collect();
+        self.errors.push(error.hint(format!("It knows {}.", list.join(", "))));
+        None
+    }
+}
+
+fn unknown_parameter(signature: &Signature, name: &ast::Name) -> Diagnostic {
+    let message = format!("`{}()` has no parameter `{}`", signature.name, name.text);
+    let error = Diagnostic::error("arity", message, name.span);
+    let error = match names::nearest(&name.text, signature.params.iter().map(|p| p.name.as_str())) {
+        Some(near) => error.hint(format!("Did you mean `{near}`?")),
+        None => error,
+    };
+    error.hint(signature.usage())
 }

@@ -55,12 +55,9 @@ impl Gatherer<'_> {
         let (name, text) = match self.host.import(importing, path) {
             Ok(found) => found,
             Err(why) => {
-                let error = Diagnostic::error("import", format!("cannot import \"{path}\""), span)
-                    .label(span, why)
-                    .hint(
-                        "An import is found beside the file that imports it, then in the folders of --path.",
-                    );
-                self.errors.push(error);
+                let error =
+                    Diagnostic::error("import", format!("cannot import \"{path}\""), span).label(span, why);
+                self.errors.push(self.host.hint().into_iter().fold(error, Diagnostic::hint));
                 return;
             }
         };

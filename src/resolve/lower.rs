@@ -1,6 +1,7 @@
-//! Statements and expressions: from names to slots.
+//! Statements, functions, params: from names to slots.
 
 use super::HostFunctions;
+use super::expr::no_component;
 use super::names;
 use super::scope::{Scope, assigned};
 use super::tree::*;
@@ -15,7 +16,7 @@ pub(super) struct Resolver<'a> {
     pub errors: Vec<Diagnostic>,
     pub out: Resolved,
     /// Slots of the outer level, by whether they are the library's and by name.
-    ids: HashMap<(bool, String), u32>,
+    pub ids: HashMap<(bool, String), u32>,
     /// The program's functions: the tree, and the index once resolved.
     pub own: HashMap<String, (&'a ast::Function, u32)>,
     /// The library's functions that are called, by name.
@@ -90,7 +91,7 @@ impl<'a> Resolver<'a> {
                 .map(|&i| &self.out.globals[i as usize])
                 .find(|g| !g.is_frame() && g.framed.is_none());
             if let Some(global) = pixel {
-                let error = self.pixel_in_frame(&global.name, span, global.read);
+                let error = self.pixel_in_frame(&global.name, span, global.read, false);
                 self.errors.push(error);
             }
         }
@@ -102,7 +103,7 @@ impl<'a> Resolver<'a> {
             let name = &function.name;
             if let Some((first, _)) = self.own.get(&name.text) {
                 let first = first.name.span;
-                let message = format!("the function {}() is defined twice", name.text);
+                let message = format!("the function `{}()` is defined twice", name.text);
                 let error = Diagnostic::error("name", message, name.span)
                     .label(name.span, "again here")
                     .label(first, "first here")
@@ -136,10 +137,11 @@ impl<'a> Resolver<'a> {
                 ast::StmtKind::Param { name, .. } => {
                     let slot = self.global(&name.text, false);
                     if let Some(first) = self.out.globals[slot as usize].framed {
-                        let message = format!("the param {} is declared twice", name.text);
+                        let message = format!("the param `{}` is declared twice", name.text);
                         let error = Diagnostic::error("name", message, name.span)
                             .label(name.span, "again here")
-                            .label(first, "first here");
+                            .label(first, "first here")
+                            .hint("Give one of them another name.");
                         self.errors.push(error);
                     }
                     self.out.globals[slot as usize].framed = Some(name.span);
@@ -166,15 +168,15 @@ impl<'a> Resolver<'a> {
     }
 
     fn param(&mut self, name: &ast::Name, value: &ast::Expr, range: Option<&ast::Expr>, span: Span) {
-        let mut scope = Scope { frame: true, ..Scope::default() };
+        let mut scope = Scope { frame: true, param: true, ..Scope::default() };
         let value = self.expr(value, &mut scope);
         let range = range.map(|range| self.expr(range, &mut scope));
         let slot = self.global(&name.text, false);
         if let Some(assigned) = self.out.globals[slot as usize].assigned {
-            let error = Diagnostic::error("name", format!("the param {} is assigned", name.text), assigned)
+            let error = Diagnostic::error("name", format!("the param `{}` is assigned", name.text), assigned)
                 .label(assigned, "assigned here")
                 .label(name.span, "declared here")
-                .hint("A param is set from outside. Copy it to a variable of another name to change it.");
+                .hint("A param is set from outside. To change it, copy it to a variable of another name.");
             self.errors.push(error);
         }
         self.out.params.push(Param { name: name.text.clone(), slot, value, range, span });
@@ -253,8 +255,15 @@ impl<'a> Resolver<'a> {
         let mut names: Vec<String> = Vec::new();
         for (name, _) in &function.params {
             if locals.insert(name.text.clone(), names.len() as u32).is_some() {
-                let message = format!("{}() has two parameters called {}", function.name.text, name.text);
-                self.errors.push(Diagnostic::error("name", message, name.span));
+                let message = format!("`{}()` has two parameters called `{}`", function.name.text, name.text);
+                let error = Diagnostic::error("name", message, name.span)
+                    .label(name.span, "again here")
+                    .hint("Give one of them another name.");
+                let first = function.params.iter().find(|(n, _)| n.text == name.text);
+                self.errors.push(match first {
+                    Some((first, _)) => error.label(first.span, "first here"),
+                    None => error,
+                });
             }
             names.push(name.text.clone());
         }
@@ -304,9 +313,8 @@ impl<'a> Resolver<'a> {
 
     fn stmt(&mut self, stmt: &ast::Stmt, scope: &mut Scope) -> Option<Stmt> {
         use ast::StmtKind as Written;
-        let misplaced = |what: &str, where_: &str| {
-            Diagnostic::error("place", format!("{what} is only for {where_}"), stmt.span)
-        };
+        let misplaced = |what: &str| Diagnostic::error("place", what, stmt.span);
+        let nested = scope.blocks > 0 || scope.locals.is_some();
         let kind = match &stmt.kind {
             Written::Assign { target, op, value } => {
                 // The value first: `x = x + 1` reads before it stores.
@@ -327,8 +335,13 @@ impl<'a> Resolver<'a> {
                 StmtKind::For(place, vector, self.looped(body, scope))
             }
             Written::Break | Written::Continue if scope.loops == 0 => {
-                let what = if matches!(stmt.kind, Written::Break) { "break" } else { "continue" };
-                self.errors.push(misplaced(what, "the block of a while or for"));
+                let (what, does) = match stmt.kind {
+                    Written::Break => ("break", "leaves"),
+                    _ => ("continue", "goes on with the next round of"),
+                };
+                let error = misplaced(&format!("`{what}` stands outside of a loop"))
+                    .hint(format!("It {does} the `while` or `for` in whose block it stands."));
+                self.errors.push(error);
                 return None;
             }
             Written::Break => StmtKind::Break,
@@ -336,31 +349,34 @@ impl<'a> Resolver<'a> {
             Written::Return(value) => {
                 let value = self.expr(value, scope);
                 if scope.locals.is_none() {
-                    let error = misplaced("return", "the block of a function")
-                        .hint("At the outer level, assign to color what the pixel should show.");
+                    let error = misplaced("`return` stands outside of a function")
+                        .hint("Outside of functions, assign to `color` what the pixel should show.");
                     self.errors.push(error);
                     return None;
                 }
                 StmtKind::Return(value)
             }
             Written::Function(f) => {
-                if scope.blocks > 0 || scope.locals.is_some() {
-                    let error = misplaced("a function's definition", "the outer level")
-                        .hint(format!("Move {}() to the left margin.", f.name.text));
+                if nested {
+                    let error = misplaced("a function is defined inside of a block").hint(format!(
+                        "Move `{}()` to the left margin, before or after the lines that call it.",
+                        f.name.text
+                    ));
                     self.errors.push(error);
                 }
                 return None;
             }
             Written::Param { name, .. } => {
-                if scope.blocks > 0 || scope.locals.is_some() {
-                    let error = misplaced("param", "the outer level")
-                        .hint(format!("Move the declaration of {} to the left margin.", name.text));
+                if nested {
+                    let error = misplaced("a param is declared inside of a block")
+                        .hint(format!("Move the declaration of `{}` to the left margin.", name.text));
                     self.errors.push(error);
                 }
                 return None;
             }
             Written::Import(..) => {
-                self.errors.push(misplaced("import", "the outer level").hint("Move it to the left margin."));
+                self.errors
+                    .push(misplaced("`import` stands inside of a block").hint("Move it to the left margin."));
                 return None;
             }
         };
@@ -396,147 +412,6 @@ impl<'a> Resolver<'a> {
             self.out.globals.len() as u32 - 1
         })
     }
-
-    /// A variable that is read.
-    fn variable(&mut self, name: &str, span: Span, scope: &Scope) -> Place {
-        if let Some(&slot) = scope.locals.as_ref().and_then(|l| l.get(name)) {
-            return Place::Local(slot);
-        }
-        let slot = self.global(name, scope.library);
-        let known = self.out.globals[slot as usize].assigned.is_some()
-            || self.out.globals[slot as usize].framed.is_some()
-            || names::constant(name).is_some()
-            || names::is_system(name);
-        if !known && self.is_function(name) {
-            let error = Diagnostic::error("name", format!("{name} is a function, no variable"), span)
-                .hint(format!("To call it, put its arguments in ( ) right behind the name: {name}(…)."));
-            self.errors.push(error);
-            // It was told; binding to an image must not complain again.
-            return Place::Global(slot);
-        }
-        let frame_value = self.out.globals[slot as usize].framed.is_some() || names::is_frame_constant(name);
-        if scope.frame && !frame_value {
-            self.errors.push(self.pixel_in_frame(name, span, None));
-        }
-        self.out.globals[slot as usize].read.get_or_insert(span);
-        if let Some(current) = self.current {
-            self.out.functions[current as usize].reads.insert(slot);
-        }
-        Place::Global(slot)
-    }
-
-    /// The error of a pixel's variable in the frame's program.
-    pub fn pixel_in_frame(&self, name: &str, span: Span, read: Option<Span>) -> Diagnostic {
-        let usual = names::USUAL_INPUTS.contains(&name) || names::is_system(name);
-        let assigned =
-            self.ids.get(&(false, name.to_string())).and_then(|&i| self.out.globals[i as usize].assigned);
-        let known = self.out.globals.iter().filter(|g| g.is_frame()).map(|g| g.name.as_str());
-        let constants = names::CONSTANTS.iter().map(|c| c.name).chain(names::FRAME.iter().copied());
-        let mut error = match names::nearest(name, known.chain(constants).chain(names::USUAL_INPUTS.iter().copied())) {
-            Some(near) if !usual && assigned.is_none() => {
-                Diagnostic::error("name", format!("there is no frame variable {name}"), span)
-                    .hint(format!("Did you mean {near}?"))
-            }
-            _ => Diagnostic::error("frame", format!("{name} is not known at the beginning of a frame"), span)
-                .label(span, "read once a frame, before any pixel")
-                .hint(format!(
-                    "{name} has a value at each pixel, and this runs once a frame, before any of them. Move what \
-                     needs {name} out of if begin_frame and param."
-                )),
-        };
-        if let Some(read) = read {
-            error = error.label(read, format!("{name} is read here"));
-        }
-        error
-    }
-
-    pub fn expr(&mut self, e: &ast::Expr, scope: &mut Scope) -> Expr {
-        use ast::ExprKind as Written;
-        let kind = match &*e.kind {
-            Written::Number(x) => ExprKind::Number(*x),
-            Written::Text(text) => {
-                let message = format!("the string \"{text}\" stands where a value is expected");
-                let error = Diagnostic::error("string", message, e.span)
-                    .hint("Strings only name things for functions that ask for a name, as in Noise(p, kind = \"gradient\").");
-                self.errors.push(error);
-                ExprKind::Number(0.0)
-            }
-            Written::Name(name) => ExprKind::Variable(self.variable(name, e.span, scope)),
-            Written::Member(base, member) => self.member(base, member, e.span, scope),
-            Written::Index(base, index) => {
-                let base = self.expr(base, scope);
-                ExprKind::Index(Box::new(base), Box::new(self.expr(index, scope)))
-            }
-            Written::Call(name, args) => return self.call(name, args, e.span, scope),
-            Written::Unary(op, a) => ExprKind::Unary(*op, Box::new(self.expr(a, scope))),
-            Written::Binary(op, a, b) => {
-                let a = self.expr(a, scope);
-                ExprKind::Binary(*op, Box::new(a), Box::new(self.expr(b, scope)))
-            }
-            Written::Conditional(c, a, b) => {
-                let c = self.expr(c, scope);
-                let a = self.expr(a, scope);
-                ExprKind::Conditional(Box::new([c, a, self.expr(b, scope)]))
-            }
-            Written::Vector(elements) => {
-                let elements = elements.iter().map(|element| self.element(element, scope)).collect();
-                ExprKind::Vector(elements)
-            }
-            Written::Range(..) => {
-                let error = Diagnostic::error("place", "a range stands outside of [ ]", e.span)
-                    .hint("Put it in brackets: [1 .. 10].");
-                self.errors.push(error);
-                ExprKind::Number(0.0)
-            }
-            Written::Group(inner) => return self.expr(inner, scope),
-            Written::Error => ExprKind::Number(0.0),
-        };
-        Expr { kind, span: e.span }
-    }
-
-    fn element(&mut self, element: &ast::Expr, scope: &mut Scope) -> Element {
-        match &*element.kind {
-            ast::ExprKind::Range(a, b) => {
-                let a = self.expr(a, scope);
-                Element::Range(a, self.expr(b, scope))
-            }
-            _ => Element::Item(self.expr(element, scope)),
-        }
-    }
-
-    /// `a.b`: a component of the vector `a`, or the variable `b` of the image `a`.
-    fn member(&mut self, base: &ast::Expr, member: &ast::Name, span: Span, scope: &mut Scope) -> ExprKind {
-        if let Some(i) = names::component(&member.text) {
-            let base = self.expr(base, scope);
-            return ExprKind::Component(Box::new(base), i);
-        }
-        match &*base.kind {
-            ast::ExprKind::Name(image)
-                if !scope.locals.as_ref().is_some_and(|l| l.contains_key(image))
-                    && !self.is_assigned(image) =>
-            {
-                let full = format!("{image}.{}", member.text);
-                ExprKind::Variable(self.variable(&full, span, scope))
-            }
-            _ => {
-                self.expr(base, scope);
-                self.errors.push(no_component(member));
-                ExprKind::Number(0.0)
-            }
-        }
-    }
-
-    fn is_assigned(&self, name: &str) -> bool {
-        self.ids.get(&(false, name.to_string())).is_some_and(|&i| {
-            let global = &self.out.globals[i as usize];
-            global.assigned.is_some() || global.framed.is_some()
-        })
-    }
-}
-
-fn no_component(member: &ast::Name) -> Diagnostic {
-    Diagnostic::error("name", format!("a vector has no component called {}", member.text), member.span)
-        .hint("Its components are .x .y .z .w, the same as .r .g .b .a; others are counted from 1: v[5].")
 }
 
 /// What of a statement is left when the block of `if begin_frame` is taken out.

@@ -5,11 +5,13 @@ pub mod names;
 pub mod tree;
 
 mod call;
+mod expr;
 mod import;
 mod library;
 mod lower;
 mod rate;
 mod scope;
+mod several;
 
 pub use library::{Entry, entries as library_entries};
 pub use tree::Resolved;
@@ -37,10 +39,13 @@ pub fn resolve(
     let mut resolver = lower::Resolver::new(&mut sources, functions);
     resolver.program(&files);
     let mut resolved = resolver.finish();
-    // A statement that could not be read may hold the name that another one misses.
-    if errors.is_empty() {
-        errors = resolver.errors;
-    }
+    let found = resolver.errors;
     resolved.sources = sources;
-    if errors.is_empty() { Ok(resolved) } else { Err((errors, resolved.sources)) }
+    if errors.is_empty() && found.is_empty() {
+        return Ok(resolved);
+    }
+    let more = several::unassigned(&resolved);
+    let more = several::credible(found.into_iter().chain(more), &errors, &resolved.sources);
+    errors.extend(more);
+    Err((errors, resolved.sources))
 }

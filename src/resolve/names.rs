@@ -69,6 +69,26 @@ pub fn is_frame_constant(name: &str) -> bool {
     constant(name).is_some() || FRAME.contains(&name)
 }
 
+/// What a function of shading languages and Python is called here, as a sentence; those of the same name need none.
+pub fn of_other_languages(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "normalize" | "normalise" => "A vector of length 1 is made by `direction(v)`.",
+        "vec2" | "vec3" | "vec4" | "float2" | "float3" | "float4" | "vector" | "color" | "rgb" => {
+            "A vector is written in brackets: `[1 0 0]`."
+        }
+        "fract" => "It is called `frac(x)` here.",
+        "saturate" => "It is called `clamp(x)` here.",
+        "len" => "The number of elements is `size(v)`, the length of an arrow `norm(v)`.",
+        "inversesqrt" | "rsqrt" => "Write `1 / sqrt(x)`.",
+        "atan2" => "It is called `atan(y, x)` here.",
+        "fmod" => "Write `a % b`.",
+        "range" => "A range is written `[1 .. 10]`.",
+        "fbm" | "turb" => "Sums of octaves of noise are made by `turbulence(p)`.",
+        "snoise" | "pnoise" | "perlin" => "Noise is called `Noise(p)` here.",
+        _ => return None,
+    })
+}
+
 /// The component that a letter names, counted from 0.
 pub fn component(name: &str) -> Option<u32> {
     Some(match name {

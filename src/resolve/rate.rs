@@ -64,6 +64,10 @@ impl Marker {
                     }
                     self.root(value);
                 }
+                // A call whose value nobody wants may return none: there would be nothing to keep.
+                StmtKind::Expr(e) if matches!(e.kind, ExprKind::Call(..)) => {
+                    children(e).into_iter().for_each(|arg| self.root(arg));
+                }
                 StmtKind::Expr(e) | StmtKind::Return(e) => self.root(e),
                 StmtKind::If(arms, otherwise) => {
                     for (condition, block) in arms {

@@ -12,6 +12,8 @@ pub(super) struct Scope {
     pub library: bool,
     /// In what runs once a frame.
     pub frame: bool,
+    /// In what runs once a frame: in a `param` line?
+    pub param: bool,
     /// In how many loops.
     pub loops: usize,
     /// In how many blocks of any kind.

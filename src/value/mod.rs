@@ -102,19 +102,35 @@ impl Value {
 
 /// A value of one pixel as a program would write it; long vectors are cut with `…`.
 pub fn show(shape: &Shape, cells: &[f32]) -> String {
-    const SHOWN: usize = 16;
-    match shape {
-        Shape::Scalar => number(cells[0]),
-        _ => {
-            let n = shape.len().unwrap_or(0);
-            let mut parts: Vec<String> =
-                (0..n.min(SHOWN)).map(|i| show(&shape.element(i), &cells[shape.cells_of(i)])).collect();
-            if n > SHOWN {
-                parts.push(format!("… {} more", n - SHOWN));
-            }
-            format!("[{}]", parts.join(" "))
-        }
+    let mut text = String::new();
+    show_part(shape, cells, &mut 64, &mut text);
+    text
+}
+
+/// Adds a value to the text. No more than `left` numbers and empty vectors are shown: vectors of vectors can
+/// be large at each level.
+fn show_part(shape: &Shape, cells: &[f32], left: &mut usize, text: &mut String) {
+    const ELEMENTS: usize = 16;
+    let Some(n) = shape.len() else {
+        *left = left.saturating_sub(1);
+        text.push_str(&number(cells[0]));
+        return;
+    };
+    if n == 0 {
+        *left = left.saturating_sub(1);
     }
+    text.push('[');
+    for i in 0..n {
+        if i > 0 {
+            text.push(' ');
+        }
+        if *left == 0 || i == ELEMENTS {
+            text.push_str(&format!("… {} more", n - i));
+            break;
+        }
+        show_part(&shape.element(i), &cells[shape.cells_of(i)], left, text);
+    }
+    text.push(']');
 }
 
 /// A number as messages show it: the shortest digits that read back as the same float.
@@ -142,6 +158,17 @@ mod tests {
         assert_eq!(v.show(0), "[[1 2] 3]");
         assert_eq!(v.element(1).as_uniform(), Some(3.0));
         assert_eq!(v.element(0).show(0), "[1 2]");
+    }
+
+    #[test]
+    fn what_is_shown_is_short_for_any_value() {
+        let row = Value::uniform_vector(&[1.0; 20]);
+        assert!(row.show(0).ends_with("1 1 1 … 4 more]"));
+        let mut nested = Value::uniform_vector(&[1.0, 2.0]);
+        for _ in 0..12 {
+            nested = Value::vector_of([nested.clone(), nested]);
+        }
+        assert!(nested.show(0).len() < 400, "{}", nested.show(0));
     }
 
     #[test]

@@ -1,0 +1,170 @@
+//! Expressions: from names to slots.
+
+use super::lower::Resolver;
+use super::names;
+use super::scope::Scope;
+use super::tree::*;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::syntax::ast;
+
+impl Resolver<'_> {
+    /// A variable that is read.
+    fn variable(&mut self, name: &str, span: Span, scope: &Scope) -> Place {
+        if let Some(&slot) = scope.locals.as_ref().and_then(|l| l.get(name)) {
+            return Place::Local(slot);
+        }
+        let slot = self.global(name, scope.library);
+        let known = self.out.globals[slot as usize].assigned.is_some()
+            || self.out.globals[slot as usize].framed.is_some()
+            || names::constant(name).is_some()
+            || names::is_system(name);
+        if !known && self.is_function(name) {
+            let behind = self.sources.get(span.source).text.get(span.end as usize..).unwrap_or("");
+            let gap =
+                behind.starts_with([' ', '\t']) && behind.trim_start_matches([' ', '\t']).starts_with('(');
+            let error = Diagnostic::error("name", format!("`{name}` is a function, not a variable"), span);
+            self.errors.push(if gap {
+                error.hint(format!(
+                    "Inside `[ ]` a blank separates elements. Close the gap between `{name}` and its `(`."
+                ))
+            } else {
+                error.hint(format!(
+                    "To call it, put its arguments in brackets right behind the name: `{name}(…)`."
+                ))
+            });
+            // It was told; binding to an image must not complain again.
+            return Place::Global(slot);
+        }
+        let frame_value = self.out.globals[slot as usize].framed.is_some() || names::is_frame_constant(name);
+        if scope.frame && !frame_value {
+            self.errors.push(self.pixel_in_frame(name, span, None, scope.param));
+        }
+        self.out.globals[slot as usize].read.get_or_insert(span);
+        if let Some(current) = self.current {
+            self.out.functions[current as usize].reads.insert(slot);
+        }
+        Place::Global(slot)
+    }
+
+    /// The error of a pixel's variable in the frame's program.
+    pub fn pixel_in_frame(&self, name: &str, span: Span, read: Option<Span>, param: bool) -> Diagnostic {
+        let usual = names::USUAL_INPUTS.contains(&name) || names::is_system(name);
+        let assigned =
+            self.ids.get(&(false, name.to_string())).and_then(|&i| self.out.globals[i as usize].assigned);
+        let known = self.out.globals.iter().filter(|g| g.is_frame()).map(|g| g.name.as_str());
+        let constants = names::CONSTANTS.iter().map(|c| c.name).chain(names::FRAME.iter().copied());
+        let mut error = match names::nearest(name, known.chain(constants).chain(names::USUAL_INPUTS.iter().copied())) {
+            Some(near) if !usual && assigned.is_none() => {
+                Diagnostic::error("name", format!("there is no frame variable `{name}`"), span)
+                    .hint(format!("Did you mean `{near}`?"))
+            }
+            _ => Diagnostic::error("frame", format!("`{name}` has no value before the pixels"), span)
+                .label(span, "runs once a frame, before any pixel")
+                .hint(if param {
+                    format!(
+                        "A param has one value for the whole frame, and `{name}` has another one at each pixel. Use \
+                         an assignment instead of `param`."
+                    )
+                } else {
+                    format!(
+                        "`{name}` has a value at each pixel. Move what needs it out of the block of `if begin_frame`."
+                    )
+                }),
+        };
+        if let Some(read) = read {
+            error = error.label(read, format!("`{name}` is read here"));
+        }
+        error
+    }
+
+    pub fn expr(&mut self, e: &ast::Expr, scope: &mut Scope) -> Expr {
+        use ast::ExprKind as Written;
+        let kind = match &*e.kind {
+            Written::Number(x) => ExprKind::Number(*x),
+            Written::Text(text) => {
+                let message = format!("the string \"{text}\" stands where a value is expected");
+                let error = Diagnostic::error("string", message, e.span).hint(
+                    "Values are numbers and vectors. A string only names something for a function, as in \
+                     `Noise(p, kind = \"gradient\")`.",
+                );
+                self.errors.push(error);
+                ExprKind::Number(0.0)
+            }
+            Written::Name(name) => ExprKind::Variable(self.variable(name, e.span, scope)),
+            Written::Member(base, member) => self.member(base, member, e.span, scope),
+            Written::Index(base, index) => {
+                let base = self.expr(base, scope);
+                ExprKind::Index(Box::new(base), Box::new(self.expr(index, scope)))
+            }
+            Written::Call(name, args) => return self.call(name, args, e.span, scope),
+            Written::Unary(op, a) => ExprKind::Unary(*op, Box::new(self.expr(a, scope))),
+            Written::Binary(op, a, b) => {
+                let a = self.expr(a, scope);
+                ExprKind::Binary(*op, Box::new(a), Box::new(self.expr(b, scope)))
+            }
+            Written::Conditional(c, a, b) => {
+                let c = self.expr(c, scope);
+                let a = self.expr(a, scope);
+                ExprKind::Conditional(Box::new([c, a, self.expr(b, scope)]))
+            }
+            Written::Vector(elements) => {
+                let elements = elements.iter().map(|element| self.element(element, scope)).collect();
+                ExprKind::Vector(elements)
+            }
+            Written::Range(..) => {
+                let error = Diagnostic::error("place", "a range stands outside of [ ]", e.span)
+                    .hint("Put it in brackets: `[1 .. 10]`.");
+                self.errors.push(error);
+                ExprKind::Number(0.0)
+            }
+            Written::Group(inner) => return self.expr(inner, scope),
+            Written::Error => ExprKind::Number(0.0),
+        };
+        Expr { kind, span: e.span }
+    }
+
+    fn element(&mut self, element: &ast::Expr, scope: &mut Scope) -> Element {
+        match &*element.kind {
+            ast::ExprKind::Range(a, b) => {
+                let a = self.expr(a, scope);
+                Element::Range(a, self.expr(b, scope))
+            }
+            _ => Element::Item(self.expr(element, scope)),
+        }
+    }
+
+    /// `a.b`: a component of the vector `a`, or the variable `b` of the image `a`.
+    fn member(&mut self, base: &ast::Expr, member: &ast::Name, span: Span, scope: &mut Scope) -> ExprKind {
+        if let Some(i) = names::component(&member.text) {
+            let base = self.expr(base, scope);
+            return ExprKind::Component(Box::new(base), i);
+        }
+        match &*base.kind {
+            ast::ExprKind::Name(image)
+                if !scope.locals.as_ref().is_some_and(|l| l.contains_key(image))
+                    && !self.is_assigned(image) =>
+            {
+                let full = format!("{image}.{}", member.text);
+                ExprKind::Variable(self.variable(&full, span, scope))
+            }
+            _ => {
+                self.expr(base, scope);
+                self.errors.push(no_component(member));
+                ExprKind::Number(0.0)
+            }
+        }
+    }
+
+    fn is_assigned(&self, name: &str) -> bool {
+        self.ids.get(&(false, name.to_string())).is_some_and(|&i| {
+            let global = &self.out.globals[i as usize];
+            global.assigned.is_some() || global.framed.is_some()
+        })
+    }
+}
+
+/// The error of a letter that names no component.
+pub(super) fn no_component(member: &ast::Name) -> Diagnostic {
+    Diagnostic::error("name", format!("a vector has no component called `{}`", member.text), member.span)
+        .hint("Its components are `.x .y .z .w`, which are the same as `.r .g .b .a`. Any can be counted from 1: `v[3]`.")
+}
