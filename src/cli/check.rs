@@ -5,7 +5,7 @@ use super::input::{InputArg, Inputs, MapArg};
 use super::source;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::program::{Error, Program};
-use crate::resolve::names;
+use crate::resolve::{is_standard_function, names, no_variable};
 use crate::scene::{self, Options};
 use clap::Args;
 use std::path::PathBuf;
@@ -106,6 +106,10 @@ fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
         match known {
             Known::Usual if names::USUAL_INPUTS.contains(&name) || name.contains('.') => {}
             Known::Usual => {
+                if is_standard_function(name) {
+                    list.push(no_variable(name, span, false));
+                    continue;
+                }
                 let usual = names::USUAL_INPUTS.iter().copied();
                 if let Some(near) = names::nearest(name, own.chain(usual)) {
                     let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span);

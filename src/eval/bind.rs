@@ -286,6 +286,9 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
                 let error = Diagnostic::error("input", format!("the input has no variable `{name}`"), span);
                 return Some(bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint));
             }
+            if crate::resolve::is_standard_function(name) {
+                return Some(crate::resolve::no_variable(name, span, false));
+            }
             let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
                 .label(span, "nothing assigns it, and the input has none of that name");
             let near = names::nearest(name, known.iter().copied());

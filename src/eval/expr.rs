@@ -24,11 +24,12 @@ impl<'r> Machine<'r> {
                 if let Some(value) = &self.kept[*id as usize] {
                     return Ok(value.clone());
                 }
-                let value = self.eval(inner, mask)?;
                 // An image may have a variable of a constant's name: then it differs from pixel to pixel.
-                if value.is_uniform() && reads.iter().all(|&i| !self.bound.sources[i as usize].varies()) {
-                    self.kept[*id as usize] = Some(value.clone());
+                if reads.iter().any(|&i| self.bound.sources[i as usize].varies()) {
+                    return self.eval(inner, mask);
                 }
+                let value = self.keep(inner, mask)?;
+                self.kept[*id as usize] = Some(value.clone());
                 Ok(value)
             }
             ExprKind::Unary(op, a) => {

@@ -10,6 +10,9 @@ use crate::resolve::tree::*;
 use crate::value::{Lanes, Mask, Plane, Value, Width, live_bytes};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Steps between looks at the cancellation.
+const POLL: u32 = 64;
+
 /// A variable: its value, and the lanes in which it has one.
 #[derive(Clone, Debug)]
 pub(super) struct Slot {
@@ -62,9 +65,13 @@ pub(super) struct Machine<'r> {
     /// Values of [`ExprKind::Kept`].
     pub kept: Vec<Option<Value>>,
     /// Steps of the batch: no lane has taken more.
-    steps: u64,
-    /// Steps of each lane, once the batch's are too many.
+    steps: u32,
+    /// Steps of each lane instead, in a batch whose own were too many.
     counts: Option<Vec<u32>>,
+    /// In what is kept for the frame, which is the same for all lanes.
+    keeping: bool,
+    /// How often steps were counted, to look for a cancellation now and then.
+    polls: u32,
 }
 
 impl<'r> Machine<'r> {
@@ -92,6 +99,8 @@ impl<'r> Machine<'r> {
             kept: vec![None; program.kept],
             steps: 0,
             counts: None,
+            keeping: false,
+            polls: 0,
         }
     }
 
@@ -109,6 +118,7 @@ impl<'r> Machine<'r> {
         self.frames.clear();
         self.calls.clear();
         self.steps = 0;
+        self.keeping = false;
         self.counts = count.then(|| vec![0; n]);
     }
 
@@ -119,39 +129,53 @@ impl<'r> Machine<'r> {
 
     /// Counts so many steps.
     pub fn charge(&mut self, steps: u32, mask: &Mask, span: Span) -> Result<()> {
-        self.steps += u64::from(steps);
+        self.polls = self.polls.wrapping_add(1);
         if let Some(cancel) = self.cancel
-            && self.steps & 63 < u64::from(steps)
+            && self.polls.is_multiple_of(POLL)
             && cancel.load(Ordering::Relaxed)
         {
             return Err(Fault::Cancelled);
         }
-        if self.steps <= u64::from(self.limits.steps) {
-            return Ok(());
-        }
-        let limit = self.limits.steps;
-        let n = self.n;
-        if n > 1 {
-            let Some(counts) = &mut self.counts else { return Err(Fault::Count) };
-            let mut over = None;
-            for lane in mask.lanes(n) {
-                counts[lane] = counts[lane].saturating_add(steps);
-                if counts[lane] > limit && over.is_none() {
-                    over = Some(lane);
+        let (n, limit) = (self.n, self.limits.steps);
+        let over = match &mut self.counts {
+            Some(counts) => {
+                let mut over = None;
+                for lane in mask.lanes(n) {
+                    counts[lane] = counts[lane].saturating_add(steps);
+                    if counts[lane] > limit && over.is_none() {
+                        over = Some(lane);
+                    }
+                }
+                over
+            }
+            None => {
+                self.steps = self.steps.saturating_add(steps);
+                match self.steps > limit {
+                    false => None,
+                    // All lanes have taken the same way here.
+                    true if n == 1 || self.keeping => Some(self.first(mask)),
+                    true => return Err(Fault::Count),
                 }
             }
-            if over.is_none() {
-                return Ok(());
-            }
-        }
-        let lane = match &self.counts {
-            Some(counts) if n > 1 => counts.iter().position(|&c| c > limit).unwrap_or(0),
-            _ => 0,
         };
+        let Some(lane) = over else { return Ok(()) };
         let error = Diagnostic::error("limit", format!("the program took more than {limit} steps"), span)
             .hint("Does every loop end? Look whether its block changes what its condition tests.")
             .hint("Each round of a loop and each call is a step. A higher limit can be set (`--max-steps`).");
         Err(self.fault(error, lane))
+    }
+
+    /// Computes what is kept for the frame, on steps of its own: it is not done again at every pixel, and must
+    /// not count at the one that happens to come first.
+    pub fn keep(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {
+        let steps = std::mem::replace(&mut self.steps, 0);
+        let counts = self.counts.take();
+        let keeping = std::mem::replace(&mut self.keeping, true);
+        let value = self.eval(e, mask);
+        self.steps = steps;
+        self.counts = counts;
+        self.keeping = keeping;
+        value
     }
 
     /// An error at a lane, with the calls that led to it.

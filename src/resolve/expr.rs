@@ -22,18 +22,11 @@ impl Resolver<'_> {
             let behind = self.sources.get(span.source).text.get(span.end as usize..).unwrap_or("");
             let gap =
                 behind.starts_with([' ', '\t']) && behind.trim_start_matches([' ', '\t']).starts_with('(');
-            let error = Diagnostic::error("name", format!("`{name}` is a function, not a variable"), span);
-            self.errors.push(if gap {
-                error.hint(format!(
-                    "Inside `[ ]` a blank separates elements. Close the gap between `{name}` and its `(`."
-                ))
-            } else {
-                error.hint(format!(
-                    "To call it, put its arguments in brackets right behind the name: `{name}(…)`."
-                ))
-            });
-            // It was told; binding to an image must not complain again.
-            return Place::Global(slot);
+            // Of a built-in function's name an image may yet have a variable: binding to one will tell.
+            if gap || !super::is_standard_function(name) {
+                self.errors.push(no_variable(name, span, gap));
+                return Place::Global(slot);
+            }
         }
         let frame_value = self.out.globals[slot as usize].framed.is_some() || names::is_frame_constant(name);
         if scope.frame && !frame_value {
@@ -167,4 +160,14 @@ impl Resolver<'_> {
 pub(super) fn no_component(member: &ast::Name) -> Diagnostic {
     Diagnostic::error("name", format!("a vector has no component called `{}`", member.text), member.span)
         .hint("Its components are `.x .y .z .w`, which are the same as `.r .g .b .a`. Any can be counted from 1: `v[3]`.")
+}
+
+/// The error of a function's name where a variable is read; `gap`: with its `(` a blank away, inside `[ ]`.
+pub(crate) fn no_variable(name: &str, span: Span, gap: bool) -> Diagnostic {
+    let error = Diagnostic::error("name", format!("`{name}` is a function, not a variable"), span);
+    error.hint(if gap {
+        format!("Inside `[ ]` a blank separates elements. Close the gap between `{name}` and its `(`.")
+    } else {
+        format!("To call it, put its arguments in brackets right behind the name: `{name}(…)`.")
+    })
 }

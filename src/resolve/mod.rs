@@ -25,6 +25,13 @@ use std::sync::Arc;
 /// The functions that the embedding program gives, by name.
 pub type HostFunctions = HashMap<String, Arc<HostFunction>>;
 
+pub(crate) use expr::no_variable;
+
+/// Is it the name of a built-in function, or of one of the library?
+pub fn is_standard_function(name: &str) -> bool {
+    crate::builtin::find(name).is_some() || library::find(name).is_some()
+}
+
 /// Reads and resolves a program called `name`. On failure: every error that could be found, and the texts they
 /// point into.
 pub fn resolve(

@@ -33,8 +33,6 @@ pub static CONSTANTS: &[Constant] = &[
     Constant { name: "cyan", value: &[0.0, 1.0, 1.0], brief: "the colour cyan" },
     Constant { name: "magenta", value: &[1.0, 0.0, 1.0], brief: "the colour magenta" },
     Constant { name: "yellow", value: &[1.0, 1.0, 0.0], brief: "the colour yellow" },
-    Constant { name: "true", value: &[1.0], brief: "1, what a comparison that holds gives" },
-    Constant { name: "false", value: &[0.0], brief: "0, what a comparison that does not hold gives" },
 ];
 
 /// What the system gives every program, with what it is. Those in [`FRAME`] have one value for the frame.
