@@ -280,9 +280,7 @@ impl<'r> Machine<'r> {
         let n = pixels.len();
         for (i, global) in self.program.globals.iter().enumerate() {
             let source = &self.bound.sources[i];
-            if global.assigned.is_some() || source.varies() {
-                self.globals[i] = source.slot(pixels, n, self.bound);
-            } else if self.globals[i].value.is_none() {
+            if global.assigned.is_some() || source.varies() || self.globals[i].value.is_none() {
                 self.globals[i] = source.slot(pixels, n, self.bound);
             }
         }

@@ -90,9 +90,7 @@ pub(super) fn write(
         }
         let opaque = Plane::Uniform(1.0);
         for (cell, out) in planes[k].iter_mut().enumerate() {
-            let plane = if value.shape.is_scalar() && cell < 3 {
-                &value.planes[0]
-            } else if value.shape.is_scalar() && !output.is_color() {
+            let plane = if value.shape.is_scalar() && (cell < 3 || !output.is_color()) {
                 &value.planes[0]
             } else if cell < written.cells() && !value.shape.is_scalar() {
                 &value.planes[cell]
