@@ -213,10 +213,14 @@ impl<'r> Worker<'r> {
                     let error = Diagnostic::bare("internal", "a batch was cut into itself and nothing");
                     return Err(Stop::Error(Box::new(error), pixels.at(0)));
                 }
-                match (self.run(Pixels::List(&one), sink), self.run(Pixels::List(&other), sink)) {
-                    (Err(a), Err(b)) if b.pixel() < a.pixel() => Err(b),
-                    (Err(a), _) => Err(a),
-                    (Ok(()), b) => b,
+                let Err(first) = self.run(Pixels::List(&one), sink) else {
+                    return self.run(Pixels::List(&other), sink);
+                };
+                // Only an earlier pixel could still change which error is told.
+                let before = other.partition_point(|&p| (p as usize) < first.pixel());
+                match self.run(Pixels::List(&other[..before]), &mut |_, _| Ok(())) {
+                    Ok(()) => Err(first),
+                    earlier => earlier,
                 }
             }
         }

@@ -8,6 +8,11 @@ use crate::resolve::tree::*;
 use crate::shape::Shape;
 use crate::value::{Mask, Plane, Planes, Value};
 
+/// Vectors of more scalars than this are large: to compute them counts as several steps.
+const LARGE: usize = 256;
+/// Scalars of a large vector that count as a step.
+const CELLS_A_STEP: usize = 32;
+
 /// A step of the way to an element, its index computed.
 struct At {
     index: Plane,
@@ -41,9 +46,9 @@ impl<'r> Machine<'r> {
             }
         };
         let cells = value.planes.len();
-        if cells > 1024 {
-            // Copying a large vector is work, too.
-            self.charge((cells / 1024) as u32, mask, name)?;
+        if cells > LARGE {
+            // A statement with large vectors is the work of many.
+            self.charge((cells / CELLS_A_STEP) as u32, mask, name)?;
         }
         if path.is_empty() {
             return self.store(place, value, mask);
@@ -144,26 +149,16 @@ impl<'r> Machine<'r> {
             Picked::Lanes(which) => {
                 let first = which[self.first(mask)];
                 let n = self.n;
-                let here = |i: u32| {
-                    let (chosen, _) = mask.split(
-                        &Plane::filled(n, |out| {
-                            for (out, &w) in out.iter_mut().zip(&which) {
-                                *out = f32::from(u8::from(w == i));
-                            }
-                        }),
-                        self.width(),
-                    );
-                    chosen
-                };
-                if mask.lanes(n).all(|lane| which[lane] == first) {
+                let mut elements: Vec<u32> = mask.lanes(n).map(|lane| which[lane]).collect();
+                elements.sort_unstable();
+                elements.dedup();
+                if elements.len() == 1 {
                     return self.stored_at(current, first as usize, rest, name, new, mask, alone);
                 }
                 let mut value = current;
-                for i in 0..=len as u32 {
-                    let lanes = here(i);
-                    if !lanes.is_none() {
-                        value = self.stored_at(value, i as usize, rest, name, new.clone(), &lanes, false)?;
-                    }
+                for i in elements {
+                    let lanes = Mask::from_fn(n, |lane| which[lane] == i && mask.has(lane));
+                    value = self.stored_at(value, i as usize, rest, name, new.clone(), &lanes, false)?;
                 }
                 Ok(value)
             }

@@ -61,7 +61,7 @@ fn several_images_by_name() {
     );
     f.bad(1, "run -e bg.colr*point.x -i g.exr -i bg=plate.exr", &["bg.colr", "Did you mean `color`?"]);
     f.bad(2, "run -e white -i bg=g.exr -i bg=plate.exr", &["two inputs are called bg"]);
-    f.bad(1, "run -e white*point -i bg=g.exr", &["no variable point", "All inputs have names"]);
+    f.bad(1, "run -e white*point -i bg=g.exr", &["no variable `point`", "All inputs have names"]);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn channels_are_mapped() {
     f.bad(1, &format!("run -e where -i {path} --map where=pont -o a.exr"), &["pont", "Did you mean"]);
     f.bad(2, &format!("run -e where -i {path} --map where -o a.exr"), &["no mapping"]);
     f.bad(2, &format!("run -e white -i {path} --map h.where=point"), &["no input h"]);
-    f.bad(1, &format!("run -e white*albedo -i {path}"), &["no variable albedo", "`point`"]);
+    f.bad(1, &format!("run -e white*albedo -i {path}"), &["no variable `albedo`", "`point`"]);
     assert!(f.good(&format!("info {path} --map where=point")).text.contains("where.x"));
 }
 

@@ -61,12 +61,12 @@ fn params_are_set_by_expressions() {
     assert_eq!(ended.code, 0, "{}", ended.err);
     let color = f.planes("p.exr", "color");
     assert_eq!([color[0][0], color[1][0]], [8.0, 4.0]);
-    f.bad(1, "run p.pse --set tnt=1", &["the program has no param tnt", "Did you mean tint?"]);
+    f.bad(1, "run p.pse --set tnt=1", &["the program has no param `tnt`", "Did you mean `tint`?"]);
     f.bad(2, "run p.pse --set k", &["--set k has no =", "--set veins=6"]);
     f.bad(2, "run p.pse --set k=", &["is no value"]);
     f.bad(2, "run p.pse --set k=y=3", &["is no value"]);
     f.bad(1, "run p.pse --set k=(1", &["--set k:1:1", "never closed"]);
-    f.bad(1, "run p.pse --set k=point", &["no variable point"]);
+    f.bad(1, "run p.pse --set k=point", &["no variable `point`"]);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn variables_are_chosen() {
     f.bad(1, "run v.pse -o a.png", &["assigns no color", "It assigns near, way, pair.", "--vars pair"]);
     f.bad(1, "run v.pse -o a.png --vars near,way", &["near and way", "An .exr file holds them all"]);
     f.bad(1, "run v.pse -o a.png --vars pair --size 8x8", &["pair is", "no picture shows"]);
-    f.bad(1, "run v.pse -o a.exr --vars nar --size 8x8", &["no variable nar", "Did you mean near?"]);
+    f.bad(1, "run v.pse -o a.exr --vars nar --size 8x8", &["no variable `nar`", "Did you mean `near`?"]);
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn wrong_programs() {
     let f = Folder::new();
     f.write("empty.pse", "");
     f.write("two.pse", "color = wite\nx = (1 +\n");
-    f.bad(1, "run empty.pse", &["gives nothing to write", "Assign to color"]);
+    f.bad(1, "run empty.pse", &["gives nothing to write", "Assign to `color`"]);
     f.bad(1, "run two.pse", &["two.pse:2"]);
     f.bad(1, "run -e color=wite", &["<command line>:1:7", "Did you mean white?"]);
     f.bad(1, "run none.pse", &["cannot read `none.pse`: there is no such file"]);
@@ -255,7 +255,7 @@ fn wrong_programs() {
     f.bad(2, "run", &["PROGRAM"]);
     f.bad(2, "run a.pse -e white", &["cannot be used with"]);
     f.bad(1, "run -e white*nope.x --size 8x8", &["no variable nope", "donut"]);
-    f.bad(1, "run -e white*albedo --size 8x8", &["no variable albedo", "The scene donut has surface"]);
+    f.bad(1, "run -e white*albedo --size 8x8", &["no variable `albedo`", "The scene donut has surface"]);
     f.bad(1, "run -e white*bg.color --size 8x8", &["bg.color", "-i bg=FILE"]);
     // At run time the pixel is named.
     f.bad(1, "run -e color=[1,2,3][pixel.x] --size 8x8", &["at pixel [3 0]"]);

@@ -28,7 +28,7 @@ fn checking() {
     let ended = f.good("check good.pse");
     assert_eq!((ended.text.as_str(), ended.err.as_str()), ("", ""));
     assert!(f.good("check -v good.pse good.pse").err.contains("2 programs checked"));
-    f.bad(1, "check good.pse bad.pse worse.pse", &["bad.pse:1:17", "Did you mean point?", "worse.pse:1"]);
+    f.bad(1, "check good.pse bad.pse worse.pse", &["bad.pse:1:17", "Did you mean `point`?", "worse.pse:1"]);
     let ended = f.good("check own.pse");
     assert!(ended.err.contains("nothing in the program assigns temperature"), "{}", ended.err);
     f.good("check good.pse --scene donut");
