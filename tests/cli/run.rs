@@ -249,7 +249,7 @@ fn wrong_programs() {
     f.write("two.pse", "color = wite\nx = (1 +\n");
     f.bad(1, "run empty.pse", &["gives nothing to write", "Assign to `color`"]);
     f.bad(1, "run two.pse", &["two.pse:2"]);
-    f.bad(1, "run -e color=wite", &["<command line>:1:7", "Did you mean white?"]);
+    f.bad(1, "run -e color=wite", &["<command line>:1:7", "Did you mean `white`?"]);
     f.bad(1, "run none.pse", &["cannot read `none.pse`: there is no such file"]);
     f.bad(1, "run .", &["it is a directory"]);
     f.bad(2, "run", &["PROGRAM"]);

@@ -30,7 +30,7 @@ fn checking() {
     assert!(f.good("check -v good.pse good.pse").err.contains("2 programs checked"));
     f.bad(1, "check good.pse bad.pse worse.pse", &["bad.pse:1:17", "Did you mean `point`?", "worse.pse:1"]);
     let ended = f.good("check own.pse");
-    assert!(ended.err.contains("nothing in the program assigns temperature"), "{}", ended.err);
+    assert!(ended.err.contains("nothing in the program assigns `temperature`"), "{}", ended.err);
     f.good("check good.pse --scene donut");
     f.bad(1, "check own.pse --scene donut", &["the scene has no variable temperature", "surface"]);
     f.good("scene card -o c.exr --size 4x4 -q");
