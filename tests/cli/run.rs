@@ -254,7 +254,7 @@ fn wrong_programs() {
     f.bad(1, "run .", &["it is a directory"]);
     f.bad(2, "run", &["PROGRAM"]);
     f.bad(2, "run a.pse -e white", &["cannot be used with"]);
-    f.bad(1, "run -e white*nope.x --size 8x8", &["no variable nope", "donut"]);
+    f.bad(1, "run -e white*nope.x --size 8x8", &["no variable `nope`", "donut"]);
     f.bad(1, "run -e white*albedo --size 8x8", &["no variable `albedo`", "The scene donut has surface"]);
     f.bad(1, "run -e white*bg.color --size 8x8", &["bg.color", "-i bg=FILE"]);
     // At run time the pixel is named.

@@ -32,7 +32,7 @@ fn checking() {
     let ended = f.good("check own.pse");
     assert!(ended.err.contains("nothing in the program assigns `temperature`"), "{}", ended.err);
     f.good("check good.pse --scene donut");
-    f.bad(1, "check own.pse --scene donut", &["the scene has no variable temperature", "surface"]);
+    f.bad(1, "check own.pse --scene donut", &["the scene has no variable `temperature`", "surface"]);
     f.good("scene card -o c.exr --size 4x4 -q");
     f.good("check good.pse -i c.exr");
     f.bad(1, "check own.pse -i c.exr", &["no variable temperature", "`point`"]);
