@@ -35,7 +35,7 @@ fn checking() {
     f.bad(1, "check own.pse --scene donut", &["the scene has no variable `temperature`", "surface"]);
     f.good("scene card -o c.exr --size 4x4 -q");
     f.good("check good.pse -i c.exr");
-    f.bad(1, "check own.pse -i c.exr", &["no variable temperature", "`point`"]);
+    f.bad(1, "check own.pse -i c.exr", &["no variable `temperature`", "`point`"]);
     f.bad(1, "check none.pse", &["there is no such file"]);
     f.bad(2, "check", &["PROGRAM"]);
     assert_eq!(f.pse_with(&["check", "-"], b"color = white").code, 0);
