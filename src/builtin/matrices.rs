@@ -154,8 +154,15 @@ fn transpose(call: &Call<'_>) -> Result<Value, Fault> {
     Ok(Value::vector_of((0..m.columns).map(|j| Value::vector(m.column(j)))))
 }
 
+/// Rows of the largest matrix that is multiplied.
+const LARGEST: usize = 32;
+
 fn multiply(call: &Call<'_>) -> Result<Value, Fault> {
     let mut product = call.args[0].clone();
+    if let Some(k) = call.args.iter().position(|m| m.shape.len().is_some_and(|rows| rows > LARGEST)) {
+        // The work grows with the cube of the rows: without a bound one call could take minutes.
+        return Err(Fault::of(k, format!("multiply takes matrices of at most {LARGEST} rows")));
+    }
     for (k, next) in call.args.iter().enumerate().skip(1) {
         let m = Matrix::any("multiply", k - 1, &product)?;
         let fits = |rows: usize| {

@@ -43,6 +43,7 @@ impl<'r> Machine<'r> {
             ExprKind::Binary(op, a, b) => {
                 let left = self.eval(a, mask)?;
                 let right = self.eval(b, mask)?;
+                self.work(left.planes.len().max(right.planes.len()), mask, e.span)?;
                 self.binary(*op, &left, a.span, &right, b.span, e.span, mask)
             }
             ExprKind::Conditional(parts) => self.conditional(parts, mask),

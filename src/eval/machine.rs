@@ -10,6 +10,12 @@ use crate::resolve::tree::*;
 use crate::value::{Lanes, Mask, Plane, Value, Width, live_bytes};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Vectors of more scalars than this are large: to compute one counts as several steps.
+const LARGE: usize = 256;
+
+/// Scalars of a large vector that count as a step.
+const CELLS_A_STEP: usize = 32;
+
 /// Steps between looks at the cancellation.
 const POLL: u32 = 64;
 
@@ -125,6 +131,14 @@ impl<'r> Machine<'r> {
     /// Counts a round of a loop or a call for the active lanes.
     pub fn step(&mut self, mask: &Mask, span: Span) -> Result<()> {
         self.charge(1, mask, span)
+    }
+
+    /// Counts the steps that it takes to compute so many cells, if they are many.
+    pub fn work(&mut self, cells: usize, mask: &Mask, span: Span) -> Result<()> {
+        if cells <= LARGE {
+            return Ok(());
+        }
+        self.charge((cells / CELLS_A_STEP) as u32, mask, span)
     }
 
     /// Counts so many steps.

@@ -18,6 +18,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Pixels that a thread takes at a time.
 const CHUNK: usize = 16 * super::BATCH;
 
+/// More threads than this are not started, whatever is asked for: they would only wait for each other.
+pub const MAX_THREADS: usize = 256;
+
 /// How many pixels are tried first, for the shapes of the outputs.
 const SAMPLES: usize = 9;
 
@@ -411,7 +414,7 @@ impl<'r> Job<'r> {
         let current = rayon::current_num_threads();
         // A thread without a chunk has nothing to do.
         let useful = self.total().div_ceil(CHUNK).max(1);
-        let threads = self.options.threads.unwrap_or(current).clamp(1, useful);
+        let threads = self.options.threads.unwrap_or(current).clamp(1, useful.min(MAX_THREADS));
         let all = || rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
         if threads == 1 {
             work();

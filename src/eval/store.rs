@@ -8,11 +8,6 @@ use crate::resolve::tree::*;
 use crate::shape::Shape;
 use crate::value::{Mask, Plane, Planes, Value};
 
-/// Vectors of more scalars than this are large: to compute them counts as several steps.
-const LARGE: usize = 256;
-/// Scalars of a large vector that count as a step.
-const CELLS_A_STEP: usize = 32;
-
 /// A step of the way to an element, its index computed.
 struct At {
     index: Plane,
@@ -45,11 +40,7 @@ impl<'r> Machine<'r> {
                 }
             }
         };
-        let cells = value.planes.len();
-        if cells > LARGE {
-            // A statement with large vectors is the work of many.
-            self.charge((cells / CELLS_A_STEP) as u32, mask, name)?;
-        }
+        self.work(value.planes.len(), mask, name)?;
         if path.is_empty() {
             return self.store(place, value, mask);
         }

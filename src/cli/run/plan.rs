@@ -4,6 +4,7 @@ use super::RunArgs;
 use crate::cli::failure::Failure;
 use crate::cli::{frames, output, source};
 use crate::diagnostic::SourceId;
+use crate::eval::MAX_THREADS;
 use crate::image::{Format, same_file};
 use crate::lanes::Isa;
 use crate::program::{Program, RunOptions};
@@ -92,7 +93,7 @@ impl Plan {
         }
         if let Some(threads) = args.threads {
             // Scenes and files use this pool too. It is built once; a second try changes nothing.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.min(MAX_THREADS)).build_global();
         }
         let near = reads_neighbours(&program) && args.pixelsize.is_none();
         Ok(Plan {
