@@ -163,7 +163,27 @@ fn constant_value(constant: &names::Constant) -> PixelValue {
 fn check_set(program: &Resolved, options: &Options<'_>) -> Result<(), Failure> {
     let mut errors = Vec::new();
     for (name, _) in &options.set {
-        if program.slot(name).is_some() {
+        let by_option = match name.as_str() {
+            "frame" => Some("the frame's number (`--frame`)"),
+            "pixelsize" | "pixel_freq" => Some("the size of a pixel (`--pixelsize`)"),
+            _ => None,
+        };
+        if let Some(option) = by_option {
+            let error = Diagnostic::bare("name", format!("`{name}` is not set like a param"));
+            errors.push(error.hint(format!("There is an option of its own for {option}.")));
+            continue;
+        }
+        if let Some(slot) = program.slot(name) {
+            let global = &program.globals[slot as usize];
+            let param = program.params.iter().any(|p| p.slot == slot);
+            if let Some(span) = global.assigned.or(global.framed).filter(|_| !param) {
+                let error = Diagnostic::error(
+                    "name",
+                    format!("`{name}` is assigned by the program, not a param"),
+                    span,
+                );
+                errors.push(error.hint(format!("To set it from outside, declare it: `param {name} = …`.")));
+            }
             continue;
         }
         let known = program.params.iter().map(|p| p.name.as_str());
@@ -241,7 +261,7 @@ fn frame_values(
         Err(Fault::Error(error, _)) => return Err(Failure::Program(vec![*error])),
         Err(Fault::Cancelled) => return Err(Failure::Cancelled),
         // One lane is never cut and counts exactly.
-        Err(Fault::Split(_) | Fault::Count) => {
+        Err(Fault::Split(_) | Fault::Count(_)) => {
             return Err(Failure::Program(vec![Diagnostic::bare("internal", "a frame's run was cut")]));
         }
     }
@@ -284,6 +304,13 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
             let span = global.read?;
             if names::USUAL_INPUTS.contains(&name) || name.contains('.') {
                 let error = Diagnostic::error("input", format!("the input has no variable `{name}`"), span);
+                let error = match name {
+                    "I" => error.hint(
+                        "`I` is the direction from the eye to the point. Renderers do not write it; where the eye is \
+                         known it is `I = direction(point - eye)`, with `param eye = [0 -5 5]` above.",
+                    ),
+                    _ => error,
+                };
                 return Some(bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint));
             }
             if crate::resolve::is_standard_function(name) {

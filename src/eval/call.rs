@@ -110,7 +110,8 @@ impl<'r> Machine<'r> {
     ) -> Result<Value> {
         let mut values = Arguments::new();
         self.arguments(args, mask, &mut values)?;
-        self.work(values.iter().map(|v| v.planes.len()).sum(), mask, span)?;
+        let cells = values.iter().map(|v| v.planes.len()).sum();
+        self.work(cells, values.iter().all(Value::is_uniform), mask, span)?;
         let call =
             builtin::Call { isa: self.isa, n: self.n, mask, args: &values, max_cells: self.limits.cells };
         let value = builtin

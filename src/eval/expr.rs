@@ -43,7 +43,8 @@ impl<'r> Machine<'r> {
             ExprKind::Binary(op, a, b) => {
                 let left = self.eval(a, mask)?;
                 let right = self.eval(b, mask)?;
-                self.work(left.planes.len().max(right.planes.len()), mask, e.span)?;
+                let cells = left.planes.len().max(right.planes.len());
+                self.work(cells, left.is_uniform() && right.is_uniform(), mask, e.span)?;
                 self.binary(*op, &left, a.span, &right, b.span, e.span, mask)
             }
             ExprKind::Conditional(parts) => self.conditional(parts, mask),

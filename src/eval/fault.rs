@@ -10,8 +10,8 @@ pub(super) enum Fault {
     Error(Box<Diagnostic>, usize),
     /// The lanes of the mask need another shape than the rest: run the two parts apart.
     Split(Mask),
-    /// Some lane may have used up its steps: run again and count for each lane by itself.
-    Count,
+    /// This lane, or another one, may have used up its steps: count for each lane by itself.
+    Count(usize),
     /// Whoever runs it does not want it any more.
     Cancelled,
 }

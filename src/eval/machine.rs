@@ -134,9 +134,14 @@ impl<'r> Machine<'r> {
     }
 
     /// Counts the steps that it takes to compute so many cells, if they are many.
-    pub fn work(&mut self, cells: usize, mask: &Mask, span: Span) -> Result<()> {
+    pub fn work(&mut self, cells: usize, uniform: bool, mask: &Mask, span: Span) -> Result<()> {
         if cells <= LARGE {
             return Ok(());
+        }
+        // A batch too wide for what it is about to compute is cut before, not after.
+        if !uniform && self.n > 1 && live_bytes() + cells * self.n * size_of::<f32>() > self.limits.memory {
+            let half = self.n / 2;
+            return Err(Fault::Split(Mask::from_fn(self.n, |i| i < half)));
         }
         self.charge((cells / CELLS_A_STEP) as u32, mask, span)
     }
@@ -168,7 +173,7 @@ impl<'r> Machine<'r> {
                     false => None,
                     // All lanes have taken the same way here.
                     true if n == 1 || self.keeping => Some(self.first(mask)),
-                    true => return Err(Fault::Count),
+                    true => return Err(Fault::Count(self.first(mask))),
                 }
             }
         };

@@ -21,6 +21,9 @@ const CHUNK: usize = 16 * super::BATCH;
 /// More threads than this are not started, whatever is asked for: they would only wait for each other.
 pub const MAX_THREADS: usize = 256;
 
+/// Components of the largest output.
+const MAX_PLANES: usize = 1024;
+
 /// How many pixels are tried first, for the shapes of the outputs.
 const SAMPLES: usize = 9;
 
@@ -185,6 +188,12 @@ impl<'r> Worker<'r> {
         Ok(())
     }
 
+    /// What stops a pixel before a lane: it may be wrong at a later place of the program.
+    fn earlier(&mut self, pixels: Pixels<'_>, lane: usize) -> Option<Stop> {
+        let before: Vec<u32> = (0..lane).map(|i| pixels.at(i) as u32).collect();
+        self.run(Pixels::List(&before), &mut |_, _| Ok(())).err()
+    }
+
     /// Runs pixels, cut where they have to be, and gives each finished batch to the sink. An error is that of
     /// the first pixel that has one.
     fn run(&mut self, pixels: Pixels<'_>, sink: &mut Sink<'_>) -> Result<(), Stop> {
@@ -192,19 +201,21 @@ impl<'r> Worker<'r> {
             return Ok(());
         }
         let mut outcome = self.batch(pixels, false);
-        if let Err(Fault::Count) = outcome {
+        if let Err(Fault::Count(lane)) = outcome {
+            // Mostly it is this one. Alone it is sooner tried than the batch is run again.
+            let suspect = [pixels.at(lane) as u32];
+            if pixels.len() > 1
+                && let Err(stop) = self.run(Pixels::List(&suspect), &mut |_, _| Ok(()))
+            {
+                return Err(self.earlier(pixels, lane).unwrap_or(stop));
+            }
             outcome = self.batch(pixels, true);
         }
         match outcome {
             Ok(()) => sink(&self.machine, pixels).map_err(Stop::Misfit),
-            Err(Fault::Cancelled | Fault::Count) => Err(Stop::Cancelled),
+            Err(Fault::Cancelled | Fault::Count(_)) => Err(Stop::Cancelled),
             Err(Fault::Error(error, lane)) => {
-                // A pixel before this one may be wrong at a later place of the program.
-                let before: Vec<u32> = (0..lane).map(|i| pixels.at(i) as u32).collect();
-                match self.run(Pixels::List(&before), &mut |_, _| Ok(())) {
-                    Ok(()) => Err(Stop::Error(error, pixels.at(lane))),
-                    earlier => earlier,
-                }
+                Err(self.earlier(pixels, lane).unwrap_or_else(|| Stop::Error(error, pixels.at(lane))))
             }
             Err(Fault::Split(mask)) => {
                 let n = pixels.len();
@@ -354,8 +365,27 @@ impl<'r> Job<'r> {
         Err(Failure::Program(vec![error]))
     }
 
+    /// A picture of thousands of planes is nobody's wish, and fills the memory.
+    fn check_outputs(&self) -> Result<(), Failure> {
+        match self.outputs.iter().find(|o| o.shape.cells() > MAX_PLANES) {
+            None => Ok(()),
+            Some(output) => {
+                let (name, n) = (&output.name, output.shape.cells());
+                let error = Diagnostic::bare(
+                    "output",
+                    format!("`{name}` has {n} components, too many to write"),
+                )
+                .hint(format!(
+                    "An output may have {MAX_PLANES}. Choose which variables to write (`--vars color`)."
+                ));
+                Err(Failure::Program(vec![error]))
+            }
+        }
+    }
+
     /// Runs the whole image with the shapes known so far.
     fn attempt(&self) -> Result<Attempt, Failure> {
+        self.check_outputs()?;
         let total = self.total();
         let mut planes: Vec<Vec<Vec<f32>>> = self
             .outputs

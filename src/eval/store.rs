@@ -40,7 +40,7 @@ impl<'r> Machine<'r> {
                 }
             }
         };
-        self.work(value.planes.len(), mask, name)?;
+        self.work(value.planes.len(), true, mask, name)?;
         if path.is_empty() {
             return self.store(place, value, mask);
         }

@@ -148,7 +148,7 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
             _ if ours && !matches!(name, "color" | "uv") => Some(first(count)),
             // The root's channels are colour only if they are R G B; a lone `Y` is luminance.
             "color" if tail.is_empty() && group.family != Family::Rgb => None,
-            "color" if tail == "y" => (at_root && group.family == Family::Single).then(|| vec![0, 0, 0]),
+            "color" if tail == "y" => (at_root && group.path == "Y" && group.family == Family::Single).then(|| vec![0, 0, 0]),
             "color" | "albedo" | "normal" => {
                 (count >= 3 && plain && group.family != Family::Uv).then(|| first(3))
             }
@@ -158,7 +158,7 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
             "uv" => (count >= 2 && plain).then(|| first(2)),
             "motion" => (count >= 2 && plain).then(|| first(count)),
             // The A of a layer that is not the beauty says nothing of the whole pixel.
-            "alpha" if tail == "a" && !at_root => None,
+            "alpha" if tail == "a" && (!at_root || group.path == "a") => None,
             "alpha" => (count == 1).then(|| first(1)),
             _ => plain.then(|| first(1)),
         };
@@ -182,8 +182,11 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
 pub(crate) fn groups(names: &[String]) -> Vec<Group> {
     // Gather by layer, noting each channel's component.
     let mut layers: Vec<(String, Vec<(Component, usize)>)> = Vec::new();
+    // At the root a small letter is a program's own name, as `a` and `y` are, but where r g b make a colour.
+    let small_color = ["r", "g", "b"].iter().all(|c| names.iter().any(|n| n == c));
     for (index, name) in names.iter().enumerate() {
-        let (layer, component) = split(name);
+        let own = name.len() == 1 && name.starts_with(|c: char| c.is_ascii_lowercase()) && !small_color;
+        let (layer, component) = if own { (name.clone(), Component::Other) } else { split(name) };
         match layers.iter_mut().find(|(l, _)| *l == layer) {
             Some((_, members)) => members.push((component, index)),
             None => layers.push((layer, vec![(component, index)])),

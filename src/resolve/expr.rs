@@ -64,6 +64,9 @@ impl Resolver<'_> {
                     )
                 }),
         };
+        if matches!(name, "pixelsize" | "pixel_freq") && !self.sources.text(span).contains(name) {
+            error = error.hint("A default of the function asks for it: give that argument, as in `turbulence(p, high = 64)`.");
+        }
         if let Some(read) = read {
             error = error.label(read, format!("`{name}` is read here"));
         }
@@ -132,6 +135,11 @@ impl Resolver<'_> {
             let base = self.expr(base, scope);
             return ExprKind::Component(Box::new(base), i);
         }
+        if is_swizzle(&member.text) {
+            self.expr(base, scope);
+            self.errors.push(no_swizzle(base, member));
+            return ExprKind::Number(0.0);
+        }
         match &*base.kind {
             ast::ExprKind::Name(image)
                 if !scope.locals.as_ref().is_some_and(|l| l.contains_key(image))
@@ -170,4 +178,26 @@ pub(crate) fn no_variable(name: &str, span: Span, gap: bool) -> Diagnostic {
     } else {
         format!("To call it, put its arguments in brackets right behind the name: `{name}(…)`.")
     })
+}
+
+/// Several components at once, as shading languages write them: `xyz`, `rg`.
+fn is_swizzle(member: &str) -> bool {
+    let of = |set: &str| member.chars().all(|c| set.contains(c));
+    (2..=4).contains(&member.len()) && (of("xyzw") || of("rgba"))
+}
+
+fn no_swizzle(base: &ast::Expr, member: &ast::Name) -> Diagnostic {
+    let indices: Vec<String> = member
+        .text
+        .chars()
+        .filter_map(|c| names::component(&c.to_string()))
+        .map(|i| (i + 1).to_string())
+        .collect();
+    let indices = indices.join(" ");
+    let v = match &*base.kind {
+        ast::ExprKind::Name(name) => name,
+        _ => "v",
+    };
+    Diagnostic::error("name", format!("`.{}` asks for several components at once", member.text), member.span)
+        .hint(format!("Pick them by their numbers: `{v}[[{indices}]]`."))
 }
