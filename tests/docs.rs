@@ -195,9 +195,6 @@ fn rust_in_the_tutorial_is_quoted_from_the_example() {
     }
 }
 
-/// Documents that other documents may already name.
-const PENDING: [&str; 2] = ["builtins.md", "performance.md"];
-
 #[test]
 fn links_in_the_documentation_lead_somewhere() {
     for path in documents() {
@@ -208,9 +205,6 @@ fn links_in_the_documentation_lead_somewhere() {
                 continue;
             }
             let file = link.split('#').next().unwrap_or(link);
-            if PENDING.contains(&file.rsplit('/').next().unwrap_or(file)) {
-                continue;
-            }
             assert!(path.parent().unwrap().join(file).exists(), "{shown}: there is no {link}");
         }
     }

@@ -16,6 +16,13 @@ const LARGE: usize = 256;
 /// Scalars of a large vector that count as a step.
 const CELLS_A_STEP: usize = 32;
 
+/// A batch that has taken so many steps may be on its way to the limit: it goes on in narrower ones, so that a
+/// runaway program comes to its end sooner.
+const LONG: u32 = 8192;
+
+/// Lanes of a batch that is narrow enough for long runs.
+const NARROW: usize = 256;
+
 /// Steps between looks at the cancellation.
 const POLL: u32 = 64;
 
@@ -169,6 +176,10 @@ impl<'r> Machine<'r> {
             }
             None => {
                 self.steps = self.steps.saturating_add(steps);
+                if self.steps > LONG && n > NARROW && !self.keeping {
+                    let half = n / 2;
+                    return Err(Fault::Split(Mask::from_fn(n, |i| i < half)));
+                }
                 match self.steps > limit {
                     false => None,
                     // All lanes have taken the same way here.

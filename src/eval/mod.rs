@@ -25,5 +25,5 @@ pub use limits::Limits;
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, eval_pixel, run};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
-/// spread the cost of a tree's walk, small enough that the planes of a program stay in the first-level cache.
-pub const BATCH: usize = 512;
+/// spread the cost of a tree's walk, small enough that the planes of a program stay in the cache.
+pub const BATCH: usize = 2048;

@@ -16,7 +16,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Pixels that a thread takes at a time.
-const CHUNK: usize = 16 * super::BATCH;
+const CHUNK: usize = 4 * super::BATCH;
 
 /// More threads than this are not started, whatever is asked for: they would only wait for each other.
 pub const MAX_THREADS: usize = 256;

@@ -148,7 +148,9 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
             _ if ours && !matches!(name, "color" | "uv") => Some(first(count)),
             // The root's channels are colour only if they are R G B; a lone `Y` is luminance.
             "color" if tail.is_empty() && group.family != Family::Rgb => None,
-            "color" if tail == "y" => (at_root && group.path == "Y" && group.family == Family::Single).then(|| vec![0, 0, 0]),
+            "color" if tail == "y" => {
+                (at_root && group.path == "Y" && group.family == Family::Single).then(|| vec![0, 0, 0])
+            }
             "color" | "albedo" | "normal" => {
                 (count >= 3 && plain && group.family != Family::Uv).then(|| first(3))
             }
