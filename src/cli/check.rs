@@ -78,7 +78,8 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(), Failure> {
     let (name, text) = source::read(path)?;
     let program = source::compile(&name, &text, folders)?;
-    let diagnostics = inputs(&program, known);
+    let mut diagnostics = inputs(&program, known);
+    diagnostics.extend(misspelt_outputs(&program));
     if diagnostics.is_empty() {
         return Ok(());
     }
@@ -89,6 +90,24 @@ fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(),
     }
     warn(error.render(style()).trim_end());
     Ok(())
+}
+
+/// Variables that are assigned and never read, and look like one that is written: `colour`.
+fn misspelt_outputs(program: &Program) -> Vec<Diagnostic> {
+    let globals = program.resolved().globals.iter().filter(|g| !g.library && g.read.is_none());
+    globals
+        .filter_map(|global| {
+            let name = global.name.as_str();
+            let written = ["color", "alpha", "normal"];
+            if written.contains(&name) {
+                return None;
+            }
+            let near = names::nearest(name, written)?;
+            let message = format!("`{name}` is assigned and never read");
+            let warning = Diagnostic::error("name", message, global.assigned?).warning();
+            Some(warning.hint(format!("Did you mean `{near}`? If not, `--vars {name}` writes it.")))
+        })
+        .collect()
 }
 
 /// What is to be said of the names that a program reads and does not assign.

@@ -9,11 +9,6 @@ use crate::resolve::tree::*;
 use crate::value::{Mask, PixelValue, Plane, Value};
 use smallvec::SmallVec;
 
-/// Stack that must be left for a call's evaluation to begin.
-const RED_ZONE: usize = 256 << 10;
-/// Stack that is added where less is left.
-const GROWTH: usize = 4 << 20;
-
 type Arguments = SmallVec<[Value; 4]>;
 
 /// A value as a label shows it.
@@ -93,7 +88,7 @@ impl<'r> Machine<'r> {
         self.frames.push(Frame { returned: None, lanes: Mask::None, caller_base });
         self.calls.push((f, span));
         // A break inside of the function has nothing to do with the caller's loops; the resolver saw to that.
-        let fell = stacker::maybe_grow(RED_ZONE, GROWTH, || self.block(&function.body, mask))?;
+        let fell = self.block(&function.body, mask)?;
         self.calls.pop();
         self.locals.truncate(base);
         let Some(frame) = self.frames.pop() else { return Ok((None, fell)) };

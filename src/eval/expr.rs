@@ -14,9 +14,23 @@ use crate::value::{Mask, Plane, Planes, Value};
 /// How far a range's end may miss a whole step, so that `[0.1 .. 5.1]` has its last element.
 const RANGE_SLACK: f32 = 1e-4;
 
+/// Stack that must be left for an expression's evaluation to begin.
+const RED_ZONE: usize = 256 << 10;
+
+/// Stack that is added where less is left.
+const GROWTH: usize = 4 << 20;
+
 impl<'r> Machine<'r> {
     /// The value of an expression in the active lanes. In the others it means nothing.
     pub fn eval(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {
+        // Every nesting, of brackets as of calls, comes through here.
+        if stacker::remaining_stack().is_some_and(|left| left < RED_ZONE) {
+            return stacker::grow(GROWTH, || self.eval_here(e, mask));
+        }
+        self.eval_here(e, mask)
+    }
+
+    fn eval_here(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {
         match &e.kind {
             ExprKind::Number(x) => Ok(Value::uniform(*x)),
             ExprKind::Variable(place) => self.read(*place, e.span, mask).cloned(),

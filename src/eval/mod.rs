@@ -18,6 +18,7 @@ mod output;
 mod pixelsize;
 mod run;
 mod store;
+mod worker;
 
 pub use bind::Missing;
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
