@@ -1,6 +1,6 @@
 //! The evaluator: a walk over the resolved tree that visits each node once for a batch of pixels.
 //!
-//! [`run`] splits an image into batches and gives them to threads; a [`machine::Machine`] runs one batch
+//! [`run()`] splits an image into batches and gives them to threads; a `Machine` runs one batch
 //! after another. A batch has one shape for each value. Where its lanes part ways in shape it is cut and run
 //! again in pieces, down to one lane, which defines what a program means.
 

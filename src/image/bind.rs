@@ -2,7 +2,7 @@
 //!
 //! A group whose name is known becomes a canonical variable (`point`, `normal`, …); every group can
 //! also be read by its own last name. If several groups could be the same canonical variable, the
-//! spelling that comes first in the table of [`names`](super::names) wins; with the same spelling, one
+//! spelling that comes first in the table of `names` wins; with the same spelling, one
 //! without a prefix wins over one with, and any over Blender's `Composite`; otherwise the variable is
 //! ambiguous, which is an error only for a program that reads it.
 

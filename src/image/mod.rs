@@ -1,6 +1,6 @@
 //! Images: named variables over a 2-D array of pixels; reading and writing them.
 //!
-//! [`read`] looks at a file's header and decides which channels are which variables ([`names`], [`bind`]);
+//! [`read`] looks at a file's header and decides which channels are which variables (`names`, `bind`);
 //! [`File::load`] then decodes only those that a program uses. [`write()`] makes files. Colours are linear
 //! in memory, and premultiplied by `alpha` where there is one, as OpenEXR files hold them.
 

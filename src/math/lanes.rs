@@ -6,7 +6,7 @@ use crate::lanes::{Arg, Isa, any1, map1, map2};
 /// Slice forms of functions that are one loop.
 macro_rules! lanes {
     ($($lanes:ident = $function:ident;)*) => { $(
-        #[doc = concat!("[`", stringify!($function), "`](super::", stringify!($function), ") of each lane.")]
+        #[doc = concat!("`", stringify!($function), "` of each lane.")]
         pub fn $lanes(isa: Isa, a: &[f32], out: &mut [f32]) {
             map1(isa, a, out, super::$function);
         }

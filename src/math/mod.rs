@@ -21,7 +21,7 @@ pub use lanes::*;
 pub use round::{ceil, floor, frac, modulo, round, sign, trunc};
 pub use trigonometric::{acos, asin, atan, atan2, cos, sin, tan};
 
-/// c[0] + c[1] x + c[2] x² …, by Horner's rule, without fused operations.
+/// `c[0] + c[1] x + c[2] x² …`, by Horner's rule, without fused operations.
 #[inline(always)]
 fn polynomial<const N: usize>(x: f64, c: [f64; N]) -> f64 {
     let mut sum = c[N - 1];
