@@ -8,7 +8,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pse::lanes::{Arg, Isa};
 use pse::math;
-use pse::noise::{self, Kind, turbulence, white};
+use pse::noise::{KINDS, Params, white};
 
 const LANES: usize = 512;
 
@@ -27,29 +27,20 @@ fn kernels(criterion: &mut Criterion) {
     for isa in [Isa::detect(), Isa::baseline()] {
         let mut group = criterion.benchmark_group(format!("noise {}", isa.name()));
         group.throughput(Throughput::Elements(LANES as u64));
-        for (kind, name, _) in Kind::ALL {
+        for kind in KINDS {
+            let name = kind.name;
             for d in 1..=3 {
+                let Ok(field) = kind.field(d, &Params::default()) else { continue };
                 group.bench_function(format!("{name} {d}-D"), |b| {
-                    b.iter(|| noise::noise(kind, isa, black_box(&p[..d]), 0, &mut out[0]));
+                    b.iter(|| field.noise(isa, black_box(&p[..d]), &mut out[0]));
                 });
             }
+            let Ok(field) = kind.field(3, &Params::default()) else { continue };
             group.bench_function(format!("{name} derivative"), |b| {
                 let [dx, dy, dz] = &mut out;
-                b.iter(|| noise::dnoise(kind, isa, black_box(&p), 0, &mut [&mut *dx, &mut *dy, &mut *dz]));
-            });
-            group.bench_function(format!("{name} one point a call"), |b| {
-                b.iter(|| {
-                    for (i, out) in out[0].iter_mut().enumerate() {
-                        let p = p.map(|p| std::slice::from_ref(&p[i]));
-                        noise::noise(kind, isa, black_box(&p), 0, std::slice::from_mut(out));
-                    }
-                });
+                b.iter(|| field.derivative(isa, black_box(&p), &mut [&mut *dx, &mut *dy, &mut *dz]));
             });
         }
-        let pixel = vec![0.01; LANES];
-        group.bench_function("turbulence, 7 octaves", |b| {
-            b.iter(|| turbulence::turbulence(Kind::Perlin1985, isa, black_box(&p), &pixel, 0, &mut out[0]));
-        });
         group.bench_function("white", |b| b.iter(|| white::random(isa, black_box(&p), 0, &mut out[0])));
         group.finish();
     }

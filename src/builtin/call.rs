@@ -122,7 +122,12 @@ impl Call<'_> {
     /// A scalar that decides a result's shape, such as a size: its number in the active lanes.
     /// Lanes that differ are split apart.
     pub fn same_everywhere(&self, arg: usize) -> Result<f32, Fault> {
-        match self.scalar(arg)? {
+        self.settle(self.scalar(arg)?)
+    }
+
+    /// The number of a plane in the active lanes. Lanes that differ are split apart.
+    pub fn settle(&self, plane: &Plane) -> Result<f32, Fault> {
+        match plane {
             Plane::Uniform(x) => Ok(*x),
             Plane::Varying(lanes) => {
                 let lanes = lanes.get(self.n);

@@ -11,6 +11,8 @@ mod color;
 mod lists;
 mod matrices;
 mod noise;
+mod noise_kind;
+mod noise_sums;
 pub mod reference;
 mod shaping;
 mod splines;
@@ -51,6 +53,8 @@ pub struct Param {
     pub default: Option<&'static str>,
     /// What may be given.
     pub kind: ParamKind,
+    /// Does it belong to some choice of another parameter, so that signatures show no more than `…`?
+    pub minor: bool,
 }
 
 /// What a parameter takes.
@@ -118,6 +122,7 @@ pub static GROUPS: &[Group] = &[
     Group { title: "Splines", functions: splines::FUNCTIONS },
     Group { title: "Colour", functions: color::FUNCTIONS },
     Group { title: "Noise", functions: noise::FUNCTIONS },
+    Group { title: "Sums of noise", functions: noise_sums::FUNCTIONS },
 ];
 
 static BY_NAME: LazyLock<HashMap<&'static str, &'static Builtin>> =
@@ -136,22 +141,31 @@ pub fn find(name: &str) -> Option<&'static Builtin> {
 impl Param {
     /// A parameter that must be given.
     pub const fn new(name: &'static str) -> Param {
-        Param { name, default: None, kind: ParamKind::Value }
+        Param { name, default: None, kind: ParamKind::Value, minor: false }
     }
 
     /// A parameter with a default, an expression of the language.
     pub const fn or(name: &'static str, default: &'static str) -> Param {
-        Param { name, default: Some(default), kind: ParamKind::Value }
+        Param { name, default: Some(default), kind: ParamKind::Value, minor: false }
     }
 
     /// Any number of values, but at least so many.
     pub const fn rest(name: &'static str, least: usize) -> Param {
-        Param { name, default: None, kind: ParamKind::Rest(least) }
+        Param { name, default: None, kind: ParamKind::Rest(least), minor: false }
     }
 
     /// A string out of a list; the first is the default.
     pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Param {
-        Param { name, default: None, kind: ParamKind::Choice(of) }
+        Param { name, default: None, kind: ParamKind::Choice(of), minor: false }
+    }
+}
+
+impl Param {
+    /// A parameter that only some choices of another have: a number or a vector, not given if `[]`, or one of
+    /// some strings.
+    pub const fn option(name: &'static str, of: &'static [&'static str]) -> Param {
+        let param = if of.is_empty() { Param::or(name, "[]") } else { Param::choice(name, of) };
+        Param { minor: true, ..param }
     }
 }
 
@@ -164,15 +178,18 @@ impl std::fmt::Debug for Builtin {
 impl Builtin {
     /// As a call is written: `clamp(x, low = 0, high = 1)`.
     pub fn signature(&self) -> String {
+        let minor = self.params.iter().any(|p| p.minor).then(|| "…".to_string());
         let params: Vec<String> = self
             .params
             .iter()
+            .filter(|p| !p.minor)
             .map(|p| match (p.kind, p.default) {
                 (ParamKind::Rest(_), _) => format!("{}, …", p.name),
                 (ParamKind::Choice(of), _) => format!("{} = \"{}\"", p.name, of[0]),
                 (ParamKind::Value, Some(default)) => format!("{} = {default}", p.name),
                 (ParamKind::Value, None) => p.name.to_string(),
             })
+            .chain(minor)
             .collect();
         format!("{}({})", self.name, params.join(", "))
     }

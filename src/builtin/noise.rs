@@ -1,154 +1,144 @@
-//! Noise for programs: the kernels of [`crate::noise`], applied to points of one to four coordinates.
+//! Noise for programs: the kinds of [`crate::noise`], applied to points.
 
 use super::apply::each;
 use super::call::{Call, Fault};
+use super::noise_kind::{coordinates, field, fields, params_of, with_kind};
 use super::{Builtin, Kernel, Param, ex};
-use crate::noise::{self, Kind, turbulence::turbulence_1992, white};
+use crate::noise::{Field, white};
 use crate::shape::Shape;
 use crate::value::{Plane, Planes, Value};
 
-/// The names of the algorithms, as `kind` takes them.
-const KINDS: &[&str] = &{
-    let mut names = [""; Kind::ALL.len()];
-    let mut i = 0;
-    while i < names.len() {
-        names[i] = Kind::ALL[i].1;
-        i += 1;
-    }
-    names
-};
-
-/// The algorithm that a `kind` parameter chose.
-fn kind(call: &Call<'_>, arg: usize) -> Kind {
-    let chosen = call.args[arg].as_uniform().unwrap_or(0.0) as usize;
-    Kind::ALL.get(chosen).map_or(Kind::default(), |entry| entry.0)
+/// The noise at points.
+fn values(call: &Call<'_>, field: &dyn Field, p: &[Plane]) -> Plane {
+    let [out] = call.planes(p, |p, [out]| field.noise(call.isa, p, out));
+    out
 }
 
-/// A seed: every number is another one, 0 and -0 the same.
-fn seed(call: &Call<'_>, arg: usize) -> Result<u32, Fault> {
-    Ok((call.same_everywhere(arg)? + 0.0).to_bits())
+/// Its derivative along each of `D` coordinates.
+fn derivatives<const D: usize>(call: &Call<'_>, field: &dyn Field, p: &[Plane]) -> [Plane; D] {
+    call.planes(p, |p, mut out| field.derivative(call.isa, p, &mut out))
 }
 
-/// The coordinates of a point, 1 to `most` of them.
-fn coordinates<'v>(name: &str, p: &'v Value, most: usize) -> Result<&'v Planes, Fault> {
-    match p.shape {
-        Shape::Scalar => Ok(&p.planes),
-        Shape::Vector(n) if (1..=most).contains(&(n as usize)) => Ok(&p.planes),
-        _ => {
-            Err(Fault::of(0, format!("{name} takes a scalar or a vector of 1 to {most}, found {}", p.shape)))
-        }
-    }
-}
-
-/// One number for each point.
-fn field(
-    call: &Call<'_>,
-    name: &str,
-    most: usize,
-    f: impl Fn(&[&[f32]], &mut [f32]),
-) -> Result<Value, Fault> {
+fn noise(call: &Call<'_>) -> Result<Value, Fault> {
     each([&call.args[0]], &mut |[p]| {
-        let p = coordinates(name, p, most)?;
-        let [out] = call.planes(p, |s, [out]| f(s, out));
-        Ok(Value::scalar(out))
+        let p = coordinates(p)?;
+        Ok(Value::scalar(values(call, &*field(call, 1, p.len())?, p)))
     })
 }
 
-fn noise_of(call: &Call<'_>) -> Result<Value, Fault> {
-    let (kind, seed) = (kind(call, 1), seed(call, 2)?);
-    field(call, "Noise", 4, |p, out| noise::noise(kind, call.isa, p, seed, out))
+fn vnoise(call: &Call<'_>) -> Result<Value, Fault> {
+    each([&call.args[0]], &mut |[p]| {
+        let p = coordinates(p)?;
+        let fields = fields::<3>(call, 1, p.len())?;
+        Ok(Value::vector(fields.iter().map(|field| values(call, &**field, p)).collect()))
+    })
+}
+
+fn dnoise(call: &Call<'_>) -> Result<Value, Fault> {
+    each([&call.args[0]], &mut |[value]| {
+        let p = coordinates(value)?;
+        let field = field(call, 1, p.len())?;
+        let planes: Planes = match p.len() {
+            1 => derivatives::<1>(call, &*field, p).into_iter().collect(),
+            2 => derivatives::<2>(call, &*field, p).into_iter().collect(),
+            3 => derivatives::<3>(call, &*field, p).into_iter().collect(),
+            _ => derivatives::<4>(call, &*field, p).into_iter().collect(),
+        };
+        Ok(Value { shape: value.shape.clone(), planes })
+    })
+}
+
+fn curl(call: &Call<'_>) -> Result<Value, Fault> {
+    each([&call.args[0]], &mut |[p]| {
+        let p = coordinates(p)?;
+        let minus = |a: &Plane, b: &Plane| call.lane([a, b], |[a, b]| a - b);
+        // Of a potential, one noise in the plane and three in space, what turns about it.
+        let flow: Planes = match p.len() {
+            1 => return Err(Fault::of(0, "curl needs a vector of 2 to 4, found a scalar")),
+            2 => {
+                let [dx, dy] = derivatives::<2>(call, &*field(call, 1, 2)?, p);
+                [dy, call.lane([&dx], |[dx]| -dx)].into_iter().collect()
+            }
+            n => {
+                let [a, b, c] = fields::<3>(call, 1, n)?;
+                let [a, b, c] = [a, b, c].map(|potential| -> Planes {
+                    if n == 3 {
+                        derivatives::<3>(call, &*potential, p).into_iter().collect()
+                    } else {
+                        derivatives::<4>(call, &*potential, p).into_iter().collect()
+                    }
+                });
+                [minus(&c[1], &b[2]), minus(&a[2], &c[0]), minus(&b[0], &a[1])].into_iter().collect()
+            }
+        };
+        Ok(Value::vector(flow))
+    })
 }
 
 fn random(call: &Call<'_>) -> Result<Value, Fault> {
-    let seed = seed(call, 1)?;
-    field(call, "random", call.max_cells.max(1), |p, out| white::random(call.isa, p, seed, out))
-}
-
-/// The derivative of a noise of `D` coordinates.
-fn derivative<const D: usize>(call: &Call<'_>, p: &[Plane], kind: Kind, seed: u32) -> Planes {
-    let out: [Plane; D] = call.planes(p, |s, mut out| {
-        noise::dnoise(kind, call.isa, s, seed, &mut out);
-    });
-    out.into_iter().collect()
-}
-
-fn dnoise_of(call: &Call<'_>) -> Result<Value, Fault> {
-    let (kind, seed) = (kind(call, 1), seed(call, 2)?);
+    let seed = super::noise_kind::seed(call, 1)?;
     each([&call.args[0]], &mut |[p]| {
-        let coords = coordinates("Dnoise", p, 4)?;
-        let planes = match coords.len() {
-            1 => derivative::<1>(call, coords, kind, seed),
-            2 => derivative::<2>(call, coords, kind, seed),
-            3 => derivative::<3>(call, coords, kind, seed),
-            _ => derivative::<4>(call, coords, kind, seed),
-        };
-        Ok(Value { shape: p.shape.clone(), planes })
-    })
-}
-
-fn turbulence(call: &Call<'_>) -> Result<Value, Fault> {
-    let (low, high) = (call.scalar(1)?, call.scalar(2)?);
-    let (kind, seed) = (kind(call, 3), seed(call, 4)?);
-    each([&call.args[0]], &mut |[p]| {
-        let p = coordinates("turbulence", p, 4)?;
-        // The kernel does not scale p by the lowest frequency.
-        let scaled: Planes = p.iter().map(|x| call.lane([x, low], |[x, low]| x * low)).collect();
-        let inputs = scaled.iter().chain([low, high]);
-        let [out] = call.planes(inputs, |s, [out]| {
-            let (p, limits) = s.split_at(s.len() - 2);
-            turbulence_1992(kind, call.isa, p, [limits[0], limits[1]], seed, out);
-        });
+        if !matches!(p.shape, Shape::Scalar | Shape::Vector(1..)) {
+            return Err(Fault::of(0, format!("random takes a scalar or a vector, found {}", p.shape)));
+        }
+        let [out] = call.planes(&p.planes, |p, [out]| white::random(call.isa, p, seed, out));
         Ok(Value::scalar(out))
     })
 }
+
+static PARAMS: [Param; params_of(1)] = with_kind([Param::new("p")]);
 
 /// Noise.
 pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "Noise",
-        params: &[Param::new("p"), Param::choice("kind", KINDS), Param::or("seed", "0")],
+        params: &PARAMS,
         brief: "A smooth random number for a point: Perlin's Noise().",
-        doc: "Signed, with details of about size 1; it looks the same everywhere and in every direction. p is a \
-              scalar or a vector of 2, 3 or 4 (time, say); of a vector of points it gives the noise of each. \
-              The kinds: `\"perlin1985\"`, the paper's, random at lattice points; `\"gradient\"`, Perlin's of 1992, \
-              which is 0 at lattice points. Each seed is another noise of the same kind.",
+        doc: "With details of about size 1; it looks the same everywhere. p is a scalar or a vector of 2, 3 or 4 (time, \
+              say); of a vector of points it gives the noise of each. Plain `Noise(p)` is that of the paper, signed, \
+              random at lattice points. [noise.md](noise.md) shows all kinds, with what each promises and which to \
+              use. Each seed is another noise of the same kind. What else there is depends on the kind, and is the \
+              kind's own default if not given.",
         examples: &[
             ex("Noise([1 2 3], kind = \"gradient\")", "0"),
             ex("Noise([0.3 0.4]) - Noise([0.3 0.4], seed = 0)", "0"),
+            ex("Noise([0.5 8.25], period = 8) - Noise([8.5 0.25], period = 8)", "0"),
         ],
-        kernel: Kernel::Whole(noise_of),
+        kernel: Kernel::Whole(noise),
     },
     Builtin {
         name: "Dnoise",
-        params: &[Param::new("p"), Param::choice("kind", KINDS), Param::or("seed", "0")],
+        params: &PARAMS,
         brief: "How fast Noise changes at a point along each axis: its gradient.",
         doc: "A vector with as many components as p (a scalar for a scalar): the exact derivative of \
-              [Noise](#Noise) of the same kind and seed. `normal += Dnoise(point)` makes a surface look bumpy.",
+              [Noise](#Noise) with the same arguments. `normal += Dnoise(point)` makes a surface look bumpy.",
         examples: &[
             ex("size(Dnoise([0.1 0.2 0.3]))", "3"),
             ex("Dnoise([1 2], seed = 3) - Dnoise([1 2], seed = 3)", "[0 0]"),
         ],
-        kernel: Kernel::Whole(dnoise_of),
+        kernel: Kernel::Whole(dnoise),
     },
     Builtin {
-        name: "turbulence",
-        params: &[
-            Param::new("p"),
-            Param::or("low", "1"),
-            Param::or("high", "1 / pixelsize"),
-            Param::choice("kind", KINDS),
-            Param::or("seed", "0"),
-        ],
-        brief: "The absolute noise of octaves, each twice as fine and half as large.",
-        doc: "The sum of `abs(Noise(p * f)) / f` for f = low, 2 low, 4 low … while f is below high. With the defaults \
-              it is the procedure in the appendix of *An Image Synthesizer*, which adds detail down to the size of a \
-              pixel and no further. Not negative; at most 24 octaves, and none if low is not above 0.",
+        name: "Vnoise",
+        params: &PARAMS,
+        brief: "A smooth random vector for a point: three unrelated noises.",
+        doc: "The first is [Noise](#Noise) with the same arguments, the others are of other seeds. To deform a shape, to \
+              shake a point, to make colours: Lewis 1989, section 5.3.",
+        examples: &[ex("size(Vnoise(0.5))", "3"), ex("Vnoise([0.1 0.2 0.3])[1] - Noise([0.1 0.2 0.3])", "0")],
+        kernel: Kernel::Whole(vnoise),
+    },
+    Builtin {
+        name: "curl",
+        params: &PARAMS,
+        brief: "A random flow that neither gathers nor spreads: the curl of noise.",
+        doc: "Of a vector of 2, a vector of 2 along the lines where [Noise](#Noise) is level; of a vector of 3, a vector \
+              of 3, the curl of [Vnoise](#Vnoise); a fourth component of p is time. It is computed from exact \
+              derivatives, so its divergence is 0.",
         examples: &[
-            ex("turbulence([0.3 0.6 0.1], high = 2) - abs(Noise([0.3 0.6 0.1]))", "0"),
-            ex("turbulence(0.3, 2, 8) - abs(Noise(0.6)) / 2 - abs(Noise(1.2)) / 4", "0"),
-            ex("turbulence(0.3, high = 1)", "0"),
+            ex("size(curl([0.1 0.2])) + size(curl([0.1 0.2 0.3]))", "5"),
+            ex("dot(curl([0.1 0.2]), Dnoise([0.1 0.2]))", "0"),
         ],
-        kernel: Kernel::Whole(turbulence),
+        kernel: Kernel::Whole(curl),
     },
     Builtin {
         name: "random",

@@ -1,22 +1,36 @@
-//! Gradient noise: Perlin, SIGGRAPH 92 course 23, section 3.6.2 "The noise function".
+//! Gradient noise: Perlin, SIGGRAPH 92 course 23, section 3.6.2 "The noise function"; Peachey's gnoise.
 //!
 //! Each lattice point has value 0 and a random gradient of length 1; cubic weights blend them, times 1.5.
 //! Where the course has a table of 256 gradients, this has a hash, so nothing repeats.
-//!
-//! Contract
-//! - signed, mean 0, |noise| ≤ 1.5·√¾ < 1.30; measured in 3-D: standard deviation 0.274
-//! - exactly 0 at lattice points; the derivative there is 1.5 times a direction
-//! - continuous with its first derivative (C¹)
-//! - of fewer coordinates than three: the noise with the others 0; of four: directions in four dimensions,
-//!   |noise| ≤ 1.5
-//! - on plane sections 19 % of the energy lies below 0.3 cycles a unit, 63 % in 0.3 … 0.7, 1 % above 1
+//! In four dimensions gradients are directions in four dimensions.
 
 use super::direction::{LENGTH, along};
-use super::lattice::Planes;
+use super::kind::{Contract, Kind, Smoothness};
+use super::lattice::{Linear, Planes, lattice_field};
+use super::options::Opt;
 
 /// Gradient noise, 1992.
+pub static KIND: Kind = Kind {
+    name: "gradient",
+    brief: "random gradients at lattice points, cubic weights",
+    dimensions: 1..=4,
+    options: &[Opt::Period],
+    contract: Contract {
+        // 1.5 times the distance from the middle of a cell to its corners.
+        bounds: &[[-0.75, 0.75], [-1.061, 1.061], [-1.30, 1.30], [-1.501, 1.501]],
+        mean: 0.0,
+        deviation: 0.274,
+        lattice: "0",
+        smoothness: Smoothness::C1,
+        cost: 1.0,
+        source: "Perlin 1992, section 3.6.2; Peachey, \"Gradient Noise\"",
+        remarks: "",
+    },
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Gradient, _, _>::new(lattice)),
+};
+
 #[derive(Clone, Copy, Debug)]
-pub struct Gradient;
+struct Gradient;
 
 impl Planes for Gradient {
     /// Perlin's factor, which makes the range about -1 … 1, for directions of their length.

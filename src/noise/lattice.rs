@@ -1,6 +1,6 @@
-//! What lattice noises share: the cell about a point, its corners' hashes and the cubic interpolation.
+//! What lattice noises share: the hashes of lattice points, and the blend of the corners of a cell.
 //!
-//! A lattice noise gives each lattice point a linear function, value + gradient · (p − point), and blends
+//! The noises of Perlin give each lattice point a linear function, value + gradient · (p − point), and blend
 //! those of the corners of the cell about p, first in x, then in y, then in z (Perlin 1985, "Noise()").
 //! Fewer coordinates than three are the same noise with the others 0, bit for bit.
 //!
@@ -12,17 +12,92 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::direction::direction;
+use super::field::{Jet, Pointwise};
 use super::hash;
-use crate::lanes::{Isa, Kernel};
 
-/// Lanes that are worked on at a time: their inputs and outputs lie on the stack, where the compiler
-/// knows that they do not overlap.
-pub(super) const TILE: usize = 64;
-/// A tile is filled up to a multiple of the widest vector, so that no lane runs alone.
-const WIDTH: usize = 8;
+/// Which lattice points are the same.
+pub(super) trait Wrap<const D: usize>: Copy + Send + Sync {
+    /// Of the coordinate of a lattice point, that of the point whose random numbers it has.
+    fn wrap(&self, low: f32, axis: usize) -> f32;
+}
+
+/// None: noise never repeats.
+#[derive(Clone, Copy)]
+pub(super) struct Endless;
+
+impl<const D: usize> Wrap<D> for Endless {
+    #[inline(always)]
+    fn wrap(&self, low: f32, _: usize) -> f32 {
+        low
+    }
+}
+
+/// Those that lie a period apart along an axis; 0 for an axis along which noise does not repeat.
+#[derive(Clone, Copy)]
+pub(super) struct Periodic<const D: usize>(pub [f32; D]);
+
+impl<const D: usize> Wrap<D> for Periodic<D> {
+    #[inline(always)]
+    fn wrap(&self, low: f32, axis: usize) -> f32 {
+        let period = self.0[axis];
+        // The quotient may be rounded up to the next integer, or the point lie so far out that the product
+        // is not exact: then the remainder is off by a period at most, or the point beyond 2^23.
+        let rest = low - (low / period).floor() * period;
+        let rest = if rest < 0.0 { rest + period } else { rest };
+        let rest = if rest >= period { rest - period } else { rest };
+        if period > 0.0 { rest } else { low }
+    }
+}
+
+/// The integer lattice of a seed, of which some points may be the same.
+#[derive(Clone, Copy)]
+pub(super) struct Lattice<W, const D: usize> {
+    seed: u32,
+    wrap: W,
+}
+
+impl<W: Wrap<D>, const D: usize> Lattice<W, D> {
+    /// That of a user's seed.
+    pub(super) fn new(seed: u32, wrap: W) -> Lattice<W, D> {
+        Lattice { seed: hash::seed(seed), wrap }
+    }
+
+    /// The hash of a lattice point's coordinate (a whole number) along an axis. The exclusive or of those of all
+    /// axes goes to [`hash::point`] to become the point's; that of the first axis has the seed in it.
+    #[inline(always)]
+    pub(super) fn key(&self, axis: usize, coordinate: f32) -> u32 {
+        // The key of an integer is its own bit pattern: exact at any size, and no conversion can overflow.
+        // Adding zero makes one of the two zeros.
+        let key = hash::axis((self.wrap.wrap(coordinate, axis) + 0.0).to_bits(), axis);
+        if axis == 0 { key ^ self.seed } else { key }
+    }
+}
+
+/// Makes the field of a lattice algorithm: for each number of dimensions listed, with a period or without.
+/// `|lattice| algorithm` is the [`Pointwise`] algorithm on a [`Lattice`], whatever its dimension.
+macro_rules! lattice_field {
+    ($dimensions:expr, $params:expr, [$($d:literal)*], |$lattice:ident| $algorithm:expr) => {{
+        use $crate::noise::{field::Each, lattice::{Endless, Lattice, Periodic}};
+        let (dimensions, params): (usize, &$crate::noise::options::Params) = ($dimensions, $params);
+        Ok(match dimensions {
+            $($d => match params.period::<$d>()? {
+                None => {
+                    let $lattice = Lattice::<Endless, $d>::new(params.seed, Endless);
+                    std::sync::Arc::new(Each::<_, $d>($algorithm)) as std::sync::Arc<dyn $crate::noise::Field>
+                }
+                Some(period) => {
+                    let $lattice = Lattice::<_, $d>::new(params.seed, Periodic(period));
+                    std::sync::Arc::new(Each::<_, $d>($algorithm))
+                }
+            },)*
+            _ => unreachable!("the kind has no such dimension"),
+        })
+    }};
+}
+pub(super) use lattice_field;
 
 /// The linear functions of one algorithm. Their gradients are [`direction`]s.
-pub trait Planes: Copy {
+pub trait Planes: Copy + Send + Sync {
     /// What the whole is multiplied by, once in the end.
     const SCALE: f32;
     /// The value, at an offset from it, of the linear function of the lattice point with this hash.
@@ -31,7 +106,7 @@ pub trait Planes: Copy {
 
 /// A point within its cell.
 #[derive(Clone, Copy)]
-pub(super) struct Cell<const D: usize> {
+struct Cell<const D: usize> {
     /// Hashes of the lower and the upper corner, by axis; those of the first axis with the seed.
     keys: [[u32; 2]; D],
     /// The point as seen from the lower and from the upper corner.
@@ -49,17 +124,13 @@ fn lerp(w: f32, a: f32, b: f32) -> f32 {
 }
 
 impl<const D: usize> Cell<D> {
-    /// Finds the cell of a point. `seed` must be mixed.
+    /// Finds the cell of a point.
     #[inline(always)]
-    pub(super) fn new(p: [f32; D], seed: u32) -> Cell<D> {
+    fn new<W: Wrap<D>>(p: [f32; D], lattice: &Lattice<W, D>) -> Cell<D> {
         let mut cell = Cell { keys: [[0; 2]; D], offset: [[0.0; 2]; D], weight: [0.0; D], slope: [0.0; D] };
         for k in 0..D {
-            // The key of an integer is its own bit pattern: exact at any size, and no conversion can overflow.
-            // Adding zero makes one of the two zeros.
-            let low = p[k].floor() + 0.0;
-            let high = low + 1.0;
-            let seed = if k == 0 { seed } else { 0 };
-            cell.keys[k] = [low, high].map(|key| hash::axis(key.to_bits(), k) ^ seed);
+            let low = p[k].floor();
+            cell.keys[k] = [lattice.key(k, low), lattice.key(k, low + 1.0)];
             let t = p[k] - low;
             cell.offset[k] = [t, t - 1.0];
             // 3t² - 2t³: 0 and 1 at the ends, with slopes 0.
@@ -108,7 +179,7 @@ impl<const D: usize> Cell<D> {
 
     /// The noise at the point.
     #[inline(always)]
-    pub(super) fn value<P: Planes>(&self) -> f32 {
+    fn value<P: Planes>(&self) -> f32 {
         let sum = match D {
             1 => self.along_x::<P>(0),
             2 => self.along_y::<P>(0),
@@ -153,103 +224,41 @@ impl<const D: usize> Cell<D> {
         self.blend(2, self.jet_y::<P>(base), self.jet_y::<P>(base + 4))
     }
 
-    /// The derivative of the noise at the point.
+    /// The noise at the point, and its derivative.
     #[inline(always)]
-    fn gradient<P: Planes>(&self) -> [f32; D] {
+    fn jet<P: Planes>(&self) -> Jet<D> {
         let jet = match D {
             1 => self.jet_x::<P>(0),
             2 => self.jet_y::<P>(0),
             3 => self.jet_z::<P>(0),
             _ => self.blend(3, self.jet_z::<P>(0), self.jet_z::<P>(8)),
         };
-        jet.gradient.map(|g| g * P::SCALE)
+        Jet { value: jet.value * P::SCALE, gradient: jet.gradient.map(|g| g * P::SCALE) }
     }
 }
 
-/// A value and its derivatives.
+/// The noise of linear functions on a lattice.
 #[derive(Clone, Copy)]
-struct Jet<const D: usize> {
-    value: f32,
-    gradient: [f32; D],
-}
-
-/// Copies up to [`TILE`] lanes of each coordinate, from lane `start`, and tells how many to work on.
-#[inline(always)]
-pub(super) fn load<const D: usize>(p: &[&[f32]; D], start: usize, end: usize) -> ([[f32; TILE]; D], usize) {
-    let mut tile = [[0.0; TILE]; D];
-    for (tile, p) in tile.iter_mut().zip(p) {
-        tile[..end - start].copy_from_slice(&p[start..end]);
-    }
-    (tile, (end - start).next_multiple_of(WIDTH).min(TILE))
-}
-
-/// The tiles of so many lanes, as ranges.
-#[inline(always)]
-pub(super) fn tiles(lanes: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..lanes).step_by(TILE).map(move |start| (start, (start + TILE).min(lanes)))
-}
-
-/// The noise of D coordinates in each lane; all slices of one length.
-///
-/// # Panics
-/// If the lengths differ.
-pub fn noise<P: Planes, const D: usize>(isa: Isa, p: [&[f32]; D], seed: u32, out: &mut [f32]) {
-    isa.run(Noise::<P, D> { p, seed: hash::seed(seed), out, planes: std::marker::PhantomData });
-}
-
-struct Noise<'a, P, const D: usize> {
-    p: [&'a [f32]; D],
-    seed: u32,
-    out: &'a mut [f32],
+pub(super) struct Linear<P, W, const D: usize> {
+    lattice: Lattice<W, D>,
     planes: std::marker::PhantomData<P>,
 }
 
-impl<P: Planes, const D: usize> Kernel for Noise<'_, P, D> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        for (start, end) in tiles(self.out.len()) {
-            let (p, work) = load(&self.p, start, end);
-            let mut values = [0.0; TILE];
-            for i in 0..work {
-                values[i] = Cell::<D>::new(std::array::from_fn(|k| p[k][i]), self.seed).value::<P>();
-            }
-            self.out[start..end].copy_from_slice(&values[..end - start]);
-        }
+impl<P: Planes, W: Wrap<D>, const D: usize> Linear<P, W, D> {
+    /// On this lattice.
+    pub(super) fn new(lattice: Lattice<W, D>) -> Self {
+        Linear { lattice, planes: std::marker::PhantomData }
     }
 }
 
-/// The derivative of [`noise`] along each of its D coordinates, in each lane; exact, not by differences.
-///
-/// # Panics
-/// If the lengths differ.
-pub fn gradient<P: Planes, const D: usize>(isa: Isa, p: [&[f32]; D], seed: u32, out: [&mut [f32]; D]) {
-    isa.run(Gradient::<P, D> { p, seed: hash::seed(seed), out, planes: std::marker::PhantomData });
-}
-
-struct Gradient<'a, P, const D: usize> {
-    p: [&'a [f32]; D],
-    seed: u32,
-    out: [&'a mut [f32]; D],
-    planes: std::marker::PhantomData<P>,
-}
-
-impl<P: Planes, const D: usize> Kernel for Gradient<'_, P, D> {
-    type Output = ();
+impl<P: Planes, W: Wrap<D>, const D: usize> Pointwise<D> for Linear<P, W, D> {
     #[inline(always)]
-    fn run(self) {
-        for (start, end) in tiles(self.out[0].len()) {
-            let (p, work) = load(&self.p, start, end);
-            let mut gradients = [[0.0; TILE]; D];
-            for i in 0..work {
-                let gradient = Cell::<D>::new(std::array::from_fn(|k| p[k][i]), self.seed).gradient::<P>();
-                for k in 0..D {
-                    gradients[k][i] = gradient[k];
-                }
-            }
-            for k in 0..D {
-                self.out[k][start..end].copy_from_slice(&gradients[k][..end - start]);
-            }
-        }
+    fn value(&self, p: [f32; D]) -> f32 {
+        Cell::new(p, &self.lattice).value::<P>()
+    }
+
+    #[inline(always)]
+    fn jet(&self, p: [f32; D]) -> Jet<D> {
+        Cell::new(p, &self.lattice).jet::<P>()
     }
 }

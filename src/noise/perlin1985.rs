@@ -2,24 +2,36 @@
 //!
 //! Each lattice point has a random value d and a random gradient (a, b, c), all from a hash; noise blends
 //! the linear equations of the cell's corners by cubic weights. H() of the paper is `hash` and `direction`.
-//!
-//! Contract
-//! - signed, mean 0, |noise| ≤ ½ + √¾ < 1.37; measured in 3-D: standard deviation 0.26, and of a million
-//!   points all within ±1
-//! - at lattice points noise is d, even in -½ … ½, and its derivative a direction of length 1
-//! - continuous with its first derivative (C¹)
-//! - of fewer coordinates than three: the noise with the others 0; of four: directions in four dimensions,
-//!   |noise| ≤ 1.5
-//! - on plane sections 31 % of the energy lies below 0.3 cycles a unit, 58 % in 0.3 … 0.7, 1 % above 1,
-//!   whatever the direction of the plane (256² samples, 48 planes, Hann window)
+//! In four dimensions gradients are directions in four dimensions.
 
 use super::direction::{LENGTH, along};
 use super::hash::more;
-use super::lattice::Planes;
+use super::kind::{Contract, Kind, Smoothness};
+use super::lattice::{Linear, Planes, lattice_field};
+use super::options::Opt;
 
 /// Noise() of 1985.
+pub static KIND: Kind = Kind {
+    name: "perlin1985",
+    brief: "random values and gradients at lattice points, cubic weights: what plain `Noise(p)` is",
+    dimensions: 1..=4,
+    options: &[Opt::Period],
+    contract: Contract {
+        // Half, and the distance from the middle of a cell to its corners.
+        bounds: &[[-1.0, 1.0], [-1.208, 1.208], [-1.367, 1.367], [-1.501, 1.501]],
+        mean: 0.0,
+        deviation: 0.26,
+        lattice: "even in -½ … ½",
+        smoothness: Smoothness::C1,
+        cost: 1.1,
+        source: "Perlin 1985, \"Noise()\"",
+        remarks: "Of a million points all were within ±1.",
+    },
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Perlin1985, _, _>::new(lattice)),
+};
+
 #[derive(Clone, Copy, Debug)]
-pub struct Perlin1985;
+struct Perlin1985;
 
 /// Values are even in -VALUE … VALUE, gradients being of length 1. The larger, the more energy lies in low
 /// frequencies: 0.35 puts 27 % below 0.3 cycles a unit, 0.7 puts 34 %. A half also lets noise just reach ±1.

@@ -4,8 +4,24 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::*;
+use crate::lanes::Isa;
+use std::sync::Arc;
 
-const KINDS: [Kind; 2] = [Kind::Perlin1985, Kind::Gradient];
+fn kinds() -> [&'static Kind; 2] {
+    ["perlin1985", "gradient"].map(|name| Kind::from_name(name).unwrap())
+}
+
+fn perlin1985() -> &'static Kind {
+    kinds()[0]
+}
+
+fn gradient() -> &'static Kind {
+    kinds()[1]
+}
+
+fn field(kind: &'static Kind, dimensions: usize) -> Arc<dyn Field> {
+    kind.field(dimensions, &Params::default()).unwrap()
+}
 
 /// Even numbers in -size … size, from a linear congruence.
 struct Random(u64);
@@ -25,20 +41,20 @@ fn slices(p: &[Vec<f32>]) -> Vec<&[f32]> {
     p.iter().map(Vec::as_slice).collect()
 }
 
-fn noise_at(kind: Kind, p: &[Vec<f32>]) -> Vec<f32> {
+fn noise_at(kind: &'static Kind, p: &[Vec<f32>]) -> Vec<f32> {
     let mut out = vec![0.0; p[0].len()];
-    noise(kind, Isa::detect(), &slices(p), 0, &mut out);
+    field(kind, p.len()).noise(Isa::detect(), &slices(p), &mut out);
     out
 }
 
-fn dnoise_with(kind: Kind, isa: Isa, p: &[&[f32]]) -> Vec<Vec<f32>> {
+fn dnoise_with(kind: &'static Kind, isa: Isa, p: &[&[f32]]) -> Vec<Vec<f32>> {
     let mut out = vec![vec![0.0; p[0].len()]; p.len()];
     let mut planes: Vec<&mut [f32]> = out.iter_mut().map(Vec::as_mut_slice).collect();
-    dnoise(kind, isa, p, 0, &mut planes);
+    field(kind, p.len()).derivative(isa, p, &mut planes);
     out
 }
 
-fn one(kind: Kind, p: &[f32]) -> f32 {
+fn one(kind: &'static Kind, p: &[f32]) -> f32 {
     noise_at(kind, &p.iter().map(|&x| vec![x]).collect::<Vec<_>>())[0]
 }
 
@@ -70,7 +86,7 @@ fn bits(x: &[f32]) -> Vec<u32> {
 fn known_values() {
     // Pinned: a change of these changes every picture.
     let p = [0.5, 1.25, -2.75, 100.125];
-    let got: Vec<f32> = KINDS.iter().flat_map(|&kind| (1..=4).map(move |d| one(kind, &p[..d]))).collect();
+    let got: Vec<f32> = kinds().iter().flat_map(|&kind| (1..=4).map(move |d| one(kind, &p[..d]))).collect();
     let known =
         [0x3e013081, 0xbe3a59ef, 0xbe234fa0, 0x3e793952, 0x3ef192de, 0xbdc29aa4, 0xbeefaec7, 0x3ef327f0];
     assert_eq!(bits(&got), known, "{got:?}");
@@ -80,12 +96,12 @@ fn known_values() {
 fn lattice_points_have_their_values() {
     let mut random = Random(1);
     let p = random.points(4000, 1000.0).map(|p| p.iter().map(|x| x.floor()).collect::<Vec<_>>());
-    assert!(noise_at(Kind::Gradient, &p[..3]).iter().all(|&n| n == 0.0));
-    let values = noise_at(Kind::Perlin1985, &p[..3]);
+    assert!(noise_at(gradient(), &p[..3]).iter().all(|&n| n == 0.0));
+    let values = noise_at(perlin1985(), &p[..3]);
     assert!(values.iter().all(|v| v.abs() <= 0.5));
     assert!(mean(&values).abs() < 0.03 && (std(&values) - 0.5 / 3.0_f64.sqrt()).abs() < 0.01);
     // All gradients are as long as the contract says, and no axis is preferred.
-    for (kind, steepness) in [(Kind::Perlin1985, 1.0), (Kind::Gradient, 1.5)] {
+    for (kind, steepness) in [(perlin1985(), 1.0), (gradient(), 1.5)] {
         let g = dnoise_with(kind, Isa::detect(), &slices(&p[..3]));
         for i in 0..4000 {
             let l = length(&g, i);
@@ -104,7 +120,7 @@ fn lattice_points_have_their_values() {
 fn fewer_coordinates_are_zeros() {
     let p = Random(2).points(300, 50.0);
     let zero = vec![0.0; 300];
-    for kind in KINDS {
+    for kind in kinds() {
         let (x, y) = (p[0].clone(), p[1].clone());
         assert_eq!(noise_at(kind, &p[..1]), noise_at(kind, &[x.clone(), zero.clone(), zero.clone()]));
         assert_eq!(noise_at(kind, &p[..2]), noise_at(kind, &[x, y, zero.clone()]));
@@ -113,11 +129,11 @@ fn fewer_coordinates_are_zeros() {
 
 #[test]
 fn range_mean_and_deviation() {
-    for (kind, bound, deviation) in [(Kind::Perlin1985, 1.37, 0.26), (Kind::Gradient, 1.30, 0.274)] {
+    for (kind, bound, deviation) in [(perlin1985(), 1.37, 0.26), (gradient(), 1.30, 0.274)] {
         let p = Random(3).points(1_000_000, 500.0);
         let n = noise_at(kind, &p[..3]);
         let most = n.iter().fold(0.0_f32, |m, n| m.max(n.abs()));
-        println!("{}: mean {:.5} std {:.4} most {most}", kind.name(), mean(&n), std(&n));
+        println!("{}: mean {:.5} std {:.4} most {most}", kind.name, mean(&n), std(&n));
         assert!(most > 0.85 && most <= bound);
         assert!(mean(&n).abs() < 0.01 * deviation && (std(&n) - deviation).abs() < 0.005);
         let n = noise_at(kind, &p);
@@ -128,7 +144,7 @@ fn range_mean_and_deviation() {
 #[test]
 fn continuous_over_cell_faces_and_zero() {
     let mut random = Random(4);
-    for kind in KINDS {
+    for kind in kinds() {
         for _ in 0..2000 {
             let mut p = [random.within(20.0), random.within(20.0), random.within(20.0)];
             let axis = (random.within(1.4).abs() * 2.0) as usize;
@@ -145,7 +161,7 @@ fn continuous_over_cell_faces_and_zero() {
 fn dnoise_is_the_derivative() {
     let p = Random(5).points(20_000, 10.0);
     let h = 1.0 / 128.0;
-    for kind in KINDS {
+    for kind in kinds() {
         for d in 1..=4 {
             let exact = dnoise_with(kind, Isa::detect(), &slices(&p[..d]));
             for k in 0..d {
@@ -167,7 +183,7 @@ fn the_same_after_rotation() {
     // The mean squared change over a distance, along an axis and along diagonals.
     let p = Random(6).points(200_000, 300.0);
     let (half, third) = (0.5_f32.sqrt(), 3.0_f32.sqrt().recip());
-    for kind in KINDS {
+    for kind in kinds() {
         let here = noise_at(kind, &p[..3]);
         for distance in [0.25, 0.5, 0.75] {
             let change = |u: [f32; 3]| {
@@ -190,7 +206,7 @@ fn the_same_after_rotation() {
 #[test]
 fn shifts_are_unrelated() {
     let p = Random(7).points(20_000, 100.0);
-    for kind in KINDS {
+    for kind in kinds() {
         let here = noise_at(kind, &p[..3]);
         for shift in [4.0, 5.0, 16.0, 100.0, 255.0, 256.0, 257.0, 4096.0, 65536.0] {
             for axes in 1..8 {
@@ -205,7 +221,7 @@ fn shifts_are_unrelated() {
             }
         }
         let mut seeded = vec![0.0; here.len()];
-        noise(kind, Isa::detect(), &slices(&p[..3]), 1, &mut seeded);
+        kind.field(3, &Params::seeded(1)).unwrap().noise(Isa::detect(), &slices(&p[..3]), &mut seeded);
         assert!(correlation(&here, &seeded).abs() < 0.04);
     }
 }
@@ -213,7 +229,7 @@ fn shifts_are_unrelated() {
 #[test]
 fn widely_spaced_derivatives_point_everywhere() {
     // The corona's centres of Perlin 1985: direction(Dnoise(i * [100 0 0])).
-    for kind in KINDS {
+    for kind in kinds() {
         let x: Vec<f32> = (0..20).map(|i| 100.0 * i as f32).collect();
         let zero = vec![0.0; 20];
         let g = dnoise_with(kind, Isa::detect(), &[&x, &zero, &zero]);
@@ -239,7 +255,7 @@ fn every_instruction_set_and_length_gives_the_same_bits() {
         p[i % 4][i * 30 + 3] = x;
     }
     let lone = [Isa::baseline(), Isa::detect()];
-    for kind in KINDS {
+    for kind in kinds() {
         for d in 1..=4 {
             let singles: Vec<f32> =
                 (0..257).map(|i| one(kind, &p[..d].iter().map(|p| p[i]).collect::<Vec<_>>())).collect();
@@ -248,7 +264,7 @@ fn every_instruction_set_and_length_gives_the_same_bits() {
                 for n in [1, 7, 255, 256, 257] {
                     let cut: Vec<&[f32]> = p[..d].iter().map(|p| &p[257 - n..]).collect();
                     let mut out = vec![0.0; n];
-                    noise(kind, isa, &cut, 0, &mut out);
+                    field(kind, d).noise(isa, &cut, &mut out);
                     assert_eq!(bits(&out), bits(&singles[257 - n..]));
                     for (slope, known) in dnoise_with(kind, isa, &cut).iter().zip(&slopes) {
                         assert_eq!(bits(slope), bits(&known[257 - n..]));
@@ -261,12 +277,12 @@ fn every_instruction_set_and_length_gives_the_same_bits() {
 
 #[test]
 fn awkward_inputs() {
-    for kind in KINDS {
+    for kind in kinds() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             assert!(one(kind, &[bad, 0.5, 0.5]).is_nan() && one(kind, &[0.5, 0.5, bad]).is_nan());
         }
         for huge in [8_388_609.0, -8_388_609.0, 1e20, f32::MAX] {
-            let bound = if kind == Kind::Gradient { 0.0 } else { 0.5 };
+            let bound = if kind.name == "gradient" { 0.0 } else { 0.5 };
             assert!(one(kind, &[huge, huge, -huge]).abs() <= bound);
         }
     }
@@ -277,7 +293,7 @@ fn energy_lies_in_its_band() {
     // A direct transform of sections of 64² samples, 1/4 unit apart, on turned planes.
     const N: usize = 64;
     let mut random = Random(9);
-    for (kind, low, band) in [(Kind::Perlin1985, 0.15..0.45, 0.48), (Kind::Gradient, 0.0..0.26, 0.58)] {
+    for (kind, low, band) in [(perlin1985(), 0.15..0.45, 0.48), (gradient(), 0.0..0.26, 0.58)] {
         let (mut below, mut within, mut all) = (0.0, 0.0, 0.0);
         for _ in 0..12 {
             let o = [random.within(300.0), random.within(300.0), random.within(300.0)];
@@ -318,34 +334,51 @@ fn energy_lies_in_its_band() {
                 }
             }
         }
-        println!("{}: below {:.3} within {:.3}", kind.name(), below / all, within / all);
+        println!("{}: below {:.3} within {:.3}", kind.name, below / all, within / all);
         assert!(low.contains(&(below / all)) && within / all >= band);
     }
 }
 
 #[test]
 fn turbulence_is_the_sum_of_its_octaves() {
-    let p = Random(10).points(257, 20.0);
-    let sizes: Vec<f32> = (0..257).map(|i| [0.3, 0.01, 1.0, -1.0, f32::NAN, 0.5, 0.0][i % 7]).collect();
-    for kind in KINDS {
-        let mut out = vec![0.0; 257];
-        turbulence::turbulence(kind, Isa::detect(), &slices(&p[..3]), &sizes, 0, &mut out);
-        let mut same = vec![0.0; 257];
-        turbulence::turbulence(kind, Isa::baseline(), &slices(&p[..3]), &sizes, 0, &mut same);
+    let n = 700;
+    let p = Random(10).points(n, 20.0);
+    let highs: Vec<f32> =
+        (0..n).map(|i| [3.3, 100.0, 1.0, -1.0, f32::NAN, 2.0, f32::INFINITY][i % 7]).collect();
+    let all = |x: f32| vec![x; n];
+    let (one_, two, half, many, none) = (all(1.0), all(2.0), all(0.5), all(99.0), all(0.0));
+    for kind in kinds() {
+        let sum = sums::Sum {
+            form: sums::Form::Turbulence,
+            fields: &[field(kind, 3)],
+            low: &one_,
+            high: &highs,
+            fade: &none,
+            size: &one_,
+            octaves: &many,
+            lacunarity: &two,
+            gain: &half,
+            offset: &none,
+        };
+        let (mut out, mut same) = (all(0.0), all(0.0));
+        sum.run(Isa::detect(), &slices(&p[..3]), &mut out);
+        sum.run(Isa::baseline(), &slices(&p[..3]), &mut same);
         assert_eq!(bits(&out), bits(&same));
-        let (low, high) = (vec![2.0; 257], vec![16.0; 257]);
-        let mut course = vec![0.0; 257];
-        turbulence::turbulence_1992(kind, Isa::detect(), &slices(&p[..3]), [&low, &high], 0, &mut course);
-        for i in 0..257 {
-            let (mut sum, mut scale, mut octaves) = (0.0, 1.0, 0);
-            while scale > sizes[i] && octaves < turbulence::OCTAVES {
-                sum += one(kind, &[p[0][i] / scale, p[1][i] / scale, p[2][i] / scale]).abs() * scale;
-                scale /= 2.0;
+        let mut faded = all(0.0);
+        sums::Sum { fade: &one_, ..sum }.run(Isa::detect(), &slices(&p[..3]), &mut faded);
+        for i in 0..n {
+            let (mut known, mut known_faded, mut frequency, mut octaves) = (0.0, 0.0, 1.0, 0);
+            while frequency < highs[i] && octaves < sums::OCTAVES {
+                let octave =
+                    one(kind, &[p[0][i] * frequency, p[1][i] * frequency, p[2][i] * frequency]).abs();
+                known += octave / frequency;
+                let share = (2.0 - 2.0 * frequency / highs[i]).clamp(0.0, 1.0);
+                known_faded += octave / frequency * if highs[i].is_infinite() { 1.0 } else { share };
+                frequency *= 2.0;
                 octaves += 1;
             }
-            assert_eq!(out[i], sum, "lane {i}, pixel size {}", sizes[i]);
-            let octave = |k: f32| one(kind, &[p[0][i] * k, p[1][i] * k, p[2][i] * k]).abs() / (2.0 * k);
-            assert_eq!(course[i], octave(1.0) + octave(2.0) + octave(4.0));
+            assert_eq!(out[i], known, "lane {i}, up to {}", highs[i]);
+            assert!((faded[i] - known_faded).abs() < 1e-6, "lane {i}, up to {}", highs[i]);
         }
     }
 }

@@ -8,8 +8,8 @@
 //!
 //! Source: none; the hash is ours.
 
+use super::field;
 use super::hash::mix;
-use super::lattice;
 use crate::lanes::{Isa, Kernel};
 
 /// Tells seeds from coordinates; a random odd number.
@@ -34,12 +34,12 @@ impl Kernel for Random<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for (start, end) in lattice::tiles(self.out.len()) {
+        for (start, end) in field::tiles(self.out.len()) {
             // Hash coordinate by coordinate, so that their number may vary; a sum that is NaN if one is.
-            let mut hashes = [self.seed; lattice::TILE];
-            let mut poison = [0.0; lattice::TILE];
+            let mut hashes = [self.seed; field::TILE];
+            let mut poison = [0.0; field::TILE];
             for coord in self.coords {
-                let ([tile], work) = lattice::load(&[coord], start, end);
+                let ([tile], work) = field::load(&[coord], start, end);
                 for i in 0..work {
                     let x = tile[i] + 0.0; // one of the two zeros
                     // One to one in x, with the hash so far turned lest (x, y) and (y, x) be alike.

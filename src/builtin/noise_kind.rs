@@ -1,0 +1,119 @@
+//! The arguments that every function of noise takes: which kind, its seed and its options.
+
+use super::Param;
+use super::call::{Call, Fault};
+use crate::noise::{Field, KINDS, Kind, OPTIONS, Params, Unfit, related_seed};
+use crate::shape::Shape;
+use crate::value::{Planes, Value};
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// The names of the kinds, as `kind` takes them.
+const NAMES: [&str; KINDS.len()] = {
+    let mut names = [""; KINDS.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = KINDS[i].name;
+        i += 1;
+    }
+    names
+};
+
+/// How many parameters a function has, of which so many are its own.
+pub const fn params_of(own: usize) -> usize {
+    own + 2 + OPTIONS.len()
+}
+
+/// A function's own parameters, followed by `kind`, `seed` and the options of all kinds.
+pub const fn with_kind<const OWN: usize, const ALL: usize>(own: [Param; OWN]) -> [Param; ALL] {
+    assert!(ALL == params_of(OWN));
+    let mut params = [Param::choice("kind", &NAMES); ALL];
+    let mut i = 0;
+    while i < OWN {
+        params[i] = own[i];
+        i += 1;
+    }
+    params[OWN + 1] = Param::or("seed", "0");
+    let mut i = 0;
+    while i < OPTIONS.len() {
+        params[OWN + 2 + i] = Param::option(OPTIONS[i].name, OPTIONS[i].choices);
+        i += 1;
+    }
+    params
+}
+
+/// The coordinates of a point, 1 to 4 of them.
+pub fn coordinates(p: &Value) -> Result<&Planes, Fault> {
+    match p.shape {
+        Shape::Scalar | Shape::Vector(1..=4) => Ok(&p.planes),
+        _ => Err(Fault::of(0, format!("expected a scalar or a vector of 1 to 4, found {}", p.shape))),
+    }
+}
+
+/// A seed: every number is another one, 0 and -0 the same.
+pub fn seed(call: &Call<'_>, arg: usize) -> Result<u32, Fault> {
+    Ok((call.same_everywhere(arg)? + 0.0).to_bits())
+}
+
+/// The kind, which is the argument `first`, and the parameters that follow it.
+pub fn kind_and_params(call: &Call<'_>, first: usize) -> Result<(&'static Kind, Params), Fault> {
+    let place = |arg: usize| call.args[arg].as_uniform().unwrap_or(0.0) as usize;
+    let kind = KINDS[place(first)];
+    let mut params = Params::seeded(seed(call, first + 1)?);
+    for (i, info) in OPTIONS.iter().enumerate() {
+        let arg = first + 2 + i;
+        let value = &call.args[arg];
+        match value.shape {
+            _ if !info.choices.is_empty() => {
+                // The first word is the default, given or not.
+                if place(arg) > 0 {
+                    params = params.with(info.option, &[place(arg) as f32]);
+                }
+            }
+            Shape::Vector(0) => {}
+            Shape::Scalar | Shape::Vector(_) => {
+                let numbers: Result<SmallVec<[f32; 8]>, Fault> =
+                    value.planes.iter().map(|plane| call.settle(plane)).collect();
+                params = params.with(info.option, &numbers?);
+            }
+            _ => {
+                let message =
+                    format!("{} is a number or a vector of numbers, found {}", info.name, value.shape);
+                return Err(Fault::of(arg, message));
+            }
+        }
+    }
+    Ok((kind, params))
+}
+
+/// A field of the kind that the arguments from `first` on ask for.
+pub fn field(call: &Call<'_>, first: usize, dimensions: usize) -> Result<Arc<dyn Field>, Fault> {
+    let (kind, params) = kind_and_params(call, first)?;
+    make(kind, dimensions, &params, first)
+}
+
+/// `N` unrelated fields of that kind; the first is that of [`field`].
+pub fn fields<const N: usize>(
+    call: &Call<'_>,
+    first: usize,
+    dimensions: usize,
+) -> Result<[Arc<dyn Field>; N], Fault> {
+    let (kind, params) = kind_and_params(call, first)?;
+    let related = |i| params.clone().reseeded(related_seed(params.seed, i));
+    let made: Result<Vec<_>, Fault> =
+        (0..N as u32).map(|i| make(kind, dimensions, &related(i), first)).collect();
+    Ok(made?.try_into().unwrap_or_else(|_| unreachable!("as many as were asked for")))
+}
+
+/// A field, with its faults told of the arguments from `first` on.
+pub fn make(
+    kind: &'static Kind,
+    dimensions: usize,
+    params: &Params,
+    first: usize,
+) -> Result<Arc<dyn Field>, Fault> {
+    kind.field(dimensions, params).map_err(|Unfit { option, message, hint }| {
+        let fault = Fault::of(option.map_or(0, |o| first + 2 + o as usize), message);
+        if let Some(hint) = hint { fault.hint(hint) } else { fault }
+    })
+}
