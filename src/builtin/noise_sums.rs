@@ -50,19 +50,19 @@ static COUNT_PARAMS: [Param; params_of(COUNT.kind)] = with_kind([
 const OFFSET: Places =
     Places { low: 0, high: 5, octaves: 1, lacunarity: 2, gain: 3, fade: 6, offset: 4, kind: 7 };
 
-const fn offset_params(offset: &'static str) -> [Param; params_of(OFFSET.kind)] {
+const fn offset_params(gain: &'static str, offset: &'static str) -> [Param; params_of(OFFSET.kind)] {
     with_kind([
         Param::new("p"),
         Param::or("octaves", "8"),
         Param::or("lacunarity", "2"),
-        Param::or("gain", "0.5"),
+        Param::or("gain", gain),
         Param::or("offset", offset),
         Param::or("high", "pixel_freq"),
         Param::or("fade", "1"),
     ])
 }
-static RIDGED_PARAMS: [Param; params_of(OFFSET.kind)] = offset_params("1");
-static HYBRID_PARAMS: [Param; params_of(OFFSET.kind)] = offset_params("0.7");
+static RIDGED_PARAMS: [Param; params_of(OFFSET.kind)] = offset_params("0.5", "1");
+static HYBRID_PARAMS: [Param; params_of(OFFSET.kind)] = offset_params("0.84", "0.7");
 
 /// The sum of that form at the points of a call.
 fn sum(call: &Call<'_>, form: Form, at: &Places) -> Result<Value, Fault> {

@@ -9,7 +9,7 @@
 //! `Ridged` and `Hybrid` are the multifractals of F. K. Musgrave in the same book as Peachey's text.
 
 use super::field::Field;
-use crate::lanes::Isa;
+use crate::lanes::{Isa, Kernel};
 use std::sync::Arc;
 
 /// No more octaves than this: the next would be of size 2^-24, below the last bit of a sum near 1.
@@ -74,141 +74,192 @@ impl Sum<'_> {
         let mut block = Block::new();
         for start in (0..out.len()).step_by(BLOCK) {
             let end = (start + BLOCK).min(out.len());
-            let p: [&[f32]; MOST] = std::array::from_fn(|k| p.get(k).map_or(&[][..], |x| &x[start..end]));
-            block.run(isa, &self.cut(start, end), &p, &mut out[start..end]);
+            block.run(isa, self, start, p, &mut out[start..end]);
         }
-    }
-
-    /// The same of some lanes.
-    fn cut(&self, start: usize, end: usize) -> Self {
-        Sum {
-            form: self.form,
-            fields: self.fields,
-            low: &self.low[start..end],
-            high: &self.high[start..end],
-            size: &self.size[start..end],
-            octaves: &self.octaves[start..end],
-            lacunarity: &self.lacunarity[start..end],
-            gain: &self.gain[start..end],
-            fade: &self.fade[start..end],
-            offset: &self.offset[start..end],
-        }
-    }
-
-    /// How much of an octave of this frequency enters in a lane.
-    #[inline(always)]
-    fn share(&self, lane: usize, octave: usize, frequency: f32) -> f32 {
-        let counted = (self.octaves[lane] - octave as f32).clamp(0.0, 1.0);
-        let left = (2.0 * (1.0 - frequency / self.high[lane]) / self.fade[lane]).clamp(0.0, 1.0);
-        let open = self.low[lane] > 0.0 && frequency < self.high[lane];
-        if open { counted * left } else { 0.0 }
     }
 }
 
-/// What is known of some lanes between octaves.
+/// The numbers of some lanes that still have octaves, without gaps.
 struct Block {
-    /// The lanes that still have octaves, and the numbers of those, without gaps.
+    /// Which lanes they are.
     lanes: [usize; BLOCK],
-    frequency: [f32; BLOCK],
-    size: [f32; BLOCK],
+    /// In the order of [`Number`].
+    numbers: [[f32; BLOCK]; NUMBERS],
+    /// How much of the octave enters.
     share: [f32; BLOCK],
-    /// What the octave before lets through.
-    weight: [f32; BLOCK],
-    sum: [f32; BLOCK],
     scaled: [[f32; BLOCK]; MOST],
     noise: [f32; BLOCK],
 }
+
+/// What is known of a lane. The coordinates of its point follow the last.
+#[derive(Clone, Copy)]
+enum Number {
+    Frequency,
+    High,
+    Fade,
+    Size,
+    /// How many octaves are left.
+    Octaves,
+    Lacunarity,
+    Gain,
+    Offset,
+    /// What the octave before lets through.
+    Weight,
+    Sum,
+    Point,
+}
+use Number::{Fade, Frequency, Gain, High, Lacunarity, Octaves, Offset, Point, Size, Weight};
+
+const NUMBERS: usize = Point as usize + MOST;
 
 impl Block {
     fn new() -> Block {
         Block {
             lanes: [0; BLOCK],
-            frequency: [0.0; BLOCK],
-            size: [0.0; BLOCK],
+            numbers: [[0.0; BLOCK]; NUMBERS],
             share: [0.0; BLOCK],
-            weight: [0.0; BLOCK],
-            sum: [0.0; BLOCK],
             scaled: [[0.0; BLOCK]; MOST],
             noise: [0.0; BLOCK],
         }
     }
 
-    fn run(&mut self, isa: Isa, sum: &Sum<'_>, p: &[&[f32]; MOST], out: &mut [f32]) {
+    fn run(&mut self, isa: Isa, sum: &Sum<'_>, start: usize, p: &[&[f32]], out: &mut [f32]) {
         let n = out.len();
-        for lane in 0..n {
-            self.lanes[lane] = lane;
-            (self.frequency[lane], self.size[lane]) = (sum.low[lane], sum.size[lane]);
-            (self.weight[lane], self.sum[lane]) = (1.0, 0.0);
+        let given = [
+            (Frequency, sum.low),
+            (High, sum.high),
+            (Fade, sum.fade),
+            (Size, sum.size),
+            (Octaves, sum.octaves),
+            (Lacunarity, sum.lacunarity),
+            (Gain, sum.gain),
+            (Offset, sum.offset),
+        ];
+        for (number, lanes) in given {
+            self.numbers[number as usize][..n].copy_from_slice(&lanes[start..start + n]);
         }
+        for (k, p) in p.iter().enumerate() {
+            self.numbers[Point as usize + k][..n].copy_from_slice(&p[start..start + n]);
+        }
+        self.numbers[Weight as usize][..n].fill(1.0);
+        self.numbers[Number::Sum as usize][..n].fill(0.0);
+        self.lanes = std::array::from_fn(|lane| lane);
         let mut active = n;
         for octave in 0..OCTAVES {
-            active = self.keep_open(sum, octave, active, out);
+            if isa.run(Shares { block: self, active }) {
+                active = self.close_gaps(active, out);
+            }
             if active == 0 {
                 return;
             }
-            let dimensions = p.iter().filter(|x| !x.is_empty()).count();
-            for (scaled, p) in self.scaled[..dimensions].iter_mut().zip(p) {
-                for ((scaled, lane), f) in scaled.iter_mut().zip(&self.lanes[..active]).zip(&self.frequency) {
-                    *scaled = p[*lane] * f;
-                }
-            }
             let scaled: [&[f32]; MOST] = self.scaled.each_ref().map(|s| &s[..active]);
             let field = &sum.fields[octave.min(sum.fields.len() - 1)];
-            field.noise(isa, &scaled[..dimensions], &mut self.noise[..active]);
-            self.add(isa, sum, octave, active);
+            field.noise(isa, &scaled[..p.len()], &mut self.noise[..active]);
+            isa.run(Add { block: self, form: sum.form, active });
         }
-        for (lane, sum) in self.lanes[..active].iter().zip(&self.sum) {
+        for (lane, sum) in self.lanes[..active].iter().zip(&self.numbers[Number::Sum as usize]) {
             out[*lane] = *sum;
         }
     }
 
-    /// Closes the gaps that lanes leave for which there is no such octave, and gives out their sums; tells how
-    /// many are left.
-    fn keep_open(&mut self, sum: &Sum<'_>, octave: usize, active: usize, out: &mut [f32]) -> usize {
+    /// Gives out the sums of lanes that have no such octave, and closes the gaps that they leave; tells how many
+    /// are left.
+    fn close_gaps(&mut self, active: usize, out: &mut [f32]) -> usize {
         let mut kept = 0;
         for i in 0..active {
-            let lane = self.lanes[i];
-            let share = sum.share(lane, octave, self.frequency[i]);
-            if share > 0.0 {
-                self.share[kept] = share;
-                self.lanes[kept] = lane;
-                self.frequency[kept] = self.frequency[i];
-                self.size[kept] = self.size[i];
-                self.weight[kept] = self.weight[i];
-                self.sum[kept] = self.sum[i];
+            if self.share[i] > 0.0 {
+                self.lanes[kept] = self.lanes[i];
+                self.share[kept] = self.share[i];
+                for numbers in self.numbers.iter_mut().chain(&mut self.scaled) {
+                    numbers[kept] = numbers[i];
+                }
                 kept += 1;
             } else {
-                out[lane] = self.sum[i];
+                out[self.lanes[i]] = self.numbers[Number::Sum as usize][i];
             }
         }
         kept
     }
+}
 
-    /// Adds an octave's noise, and goes on to the next.
-    fn add(&mut self, _isa: Isa, sum: &Sum<'_>, octave: usize, active: usize) {
-        for i in 0..active {
-            let (lane, noise, size) = (self.lanes[i], self.noise[i], self.size[i]);
-            let part = match sum.form {
-                Form::Turbulence => noise.abs() * size,
-                Form::Fractal => noise * size,
-                Form::Ridged => {
-                    let ridge = sum.offset[lane] - noise.abs();
-                    let signal = ridge * ridge * self.weight[i];
-                    // Musgrave's gain of 2: ridges half as high as could be still carry all of the next octave.
-                    self.weight[i] = (2.0 * signal).clamp(0.0, 1.0);
-                    signal * size
-                }
-                Form::Hybrid => {
-                    let signal = (noise + sum.offset[lane]) * size;
-                    let part = signal * self.weight[i];
-                    self.weight[i] = if octave == 0 { part } else { part.min(1.0) * signal };
-                    self.weight[i] = self.weight[i].min(1.0);
-                    part
-                }
-            };
-            self.sum[i] += part * self.share[i];
-            self.frequency[i] *= sum.lacunarity[lane];
-            self.size[i] = size * sum.gain[lane];
+/// Finds how much of an octave enters in each lane, and its points. Tells whether it is nothing in any.
+struct Shares<'a> {
+    block: &'a mut Block,
+    active: usize,
+}
+
+impl Kernel for Shares<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Block { numbers, share, scaled, .. } = self.block;
+        let of = |number: Number| &numbers[number as usize];
+        let mut open = true;
+        for i in 0..self.active {
+            let frequency = of(Frequency)[i];
+            let counted = of(Octaves)[i].clamp(0.0, 1.0);
+            // Peachey's fade: 1 up to half of the cutoff frequency, then down to 0.
+            let left = (2.0 * (1.0 - frequency / of(High)[i]) / of(Fade)[i]).clamp(0.0, 1.0);
+            let within = frequency > 0.0 && frequency < of(High)[i];
+            share[i] = if within { counted * left } else { 0.0 };
+            open &= share[i] > 0.0;
+        }
+        for (k, scaled) in scaled.iter_mut().enumerate() {
+            for i in 0..self.active {
+                scaled[i] = numbers[Point as usize + k][i] * of(Frequency)[i];
+            }
+        }
+        !open
+    }
+}
+
+/// Adds an octave's noise, and goes on to the next.
+struct Add<'a> {
+    block: &'a mut Block,
+    form: Form,
+    active: usize,
+}
+
+impl Kernel for Add<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        match self.form {
+            Form::Turbulence => self.each(|noise, _, weight| (noise.abs(), weight)),
+            Form::Fractal => self.each(|noise, _, weight| (noise, weight)),
+            Form::Ridged => self.each(|noise, offset, weight| {
+                let ridge = offset - noise.abs();
+                let signal = ridge * ridge * weight;
+                // Musgrave's gain of 2: ridges half as high as could be still carry all of the next octave.
+                (signal, (2.0 * signal).clamp(0.0, 1.0))
+            }),
+            Form::Hybrid => self.each(|noise, offset, weight| {
+                let signal = (noise + offset) * weight;
+                (signal, signal)
+            }),
+        }
+    }
+}
+
+impl Add<'_> {
+    /// `signal` gives what is added of a unit's size, and the weight of the next octave, from noise, offset
+    /// and weight.
+    #[inline(always)]
+    fn each(self, signal: impl Fn(f32, f32, f32) -> (f32, f32)) {
+        let Block { numbers, share, noise, .. } = self.block;
+        for i in 0..self.active {
+            let of = |number: Number| numbers[number as usize][i];
+            let size = of(Size);
+            let (part, weight) = signal(noise[i], of(Offset), of(Weight));
+            let weight = if self.form == Form::Hybrid { (weight * size).min(1.0) } else { weight };
+            let sum = of(Number::Sum) + part * size * share[i];
+            let (frequency, octaves) = (of(Frequency) * of(Lacunarity), of(Octaves) - 1.0);
+            let size = size * of(Gain);
+            numbers[Number::Sum as usize][i] = sum;
+            numbers[Weight as usize][i] = weight;
+            numbers[Frequency as usize][i] = frequency;
+            numbers[Octaves as usize][i] = octaves;
+            numbers[Size as usize][i] = size;
         }
     }
 }
