@@ -46,7 +46,7 @@ pub const fn with_kind<const OWN: usize, const ALL: usize>(own: [Param; OWN]) ->
 pub fn coordinates(p: &Value) -> Result<&Planes, Fault> {
     match p.shape {
         Shape::Scalar | Shape::Vector(1..=4) => Ok(&p.planes),
-        _ => Err(Fault::of(0, format!("expected a scalar or a vector of 1 to 4, found {}", p.shape))),
+        _ => Err(Fault::of(0, format!("takes a scalar or a vector of 1 to 4, found {}", p.shape))),
     }
 }
 

@@ -137,7 +137,9 @@ impl<'r> Machine<'r> {
                 // Many kernels begin the sentence with the function's name.
                 let message = match message.strip_prefix(name).filter(|rest| rest.starts_with(' ')) {
                     Some(rest) => format!("`{name}()`{rest}"),
-                    None if message.starts_with("meets ") => format!("`{name}()` {message}"),
+                    None if ["meets ", "takes "].iter().any(|verb| message.starts_with(verb)) => {
+                        format!("`{name}()` {message}")
+                    }
                     None => format!("`{name}()`: {message}"),
                 };
                 let mut error = Diagnostic::error("call", message, place);

@@ -31,6 +31,7 @@ static FILES: &[(&str, &str)] = &[
     ("library/colors.pse", include_str!("../library/colors.pse")),
     ("library/waves.pse", include_str!("../library/waves.pse")),
     ("library/light.pse", include_str!("../library/light.pse")),
+    ("library/noises.pse", include_str!("../library/noises.pse")),
 ];
 
 static ENTRIES: LazyLock<Vec<Entry>> = LazyLock::new(|| {

@@ -81,8 +81,18 @@ pub fn of_other_languages(name: &str) -> Option<&'static str> {
         "atan2" => "It is called `atan(y, x)` here.",
         "fmod" => "Write `a % b`.",
         "range" => "A range is written `[1 .. 10]`.",
-        "fbm" | "turb" => "Sums of octaves of noise are made by `turbulence(p)`.",
-        "snoise" | "pnoise" | "perlin" => "Noise is called `Noise(p)` here.",
+        "turb" | "turbulent" => "It is called `turbulence(p)` here.",
+        "fbm" | "fractal" => {
+            "Sums of octaves of noise are made by `fBm(p)`, `fractalsum(p)` and `turbulence(p)`."
+        }
+        "ridgedmf" | "ridged_multifractal" => "It is called `ridged(p)` here.",
+        "curlnoise" | "curl_noise" => "It is called `curl(p)` here.",
+        "snoise" | "perlin" | "noise3" => "Noise is called `Noise(p)` here.",
+        "cellnoise" => {
+            "A random number for each cell is `random(floor(p))`, or `Noise(p, kind = \"white\")`."
+        }
+        "worley" | "voronoi" | "cellular" => "It is a kind of noise: `Noise(p, kind = \"cellular\")`.",
+        "simplex" => "It is a kind of noise: `Noise(p, kind = \"simplex\")`.",
         _ => return None,
     })
 }
