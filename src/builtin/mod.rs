@@ -176,6 +176,16 @@ impl std::fmt::Debug for Builtin {
 }
 
 impl Builtin {
+    /// How much there is to compute, for a lane: 1 is about an operator on scalars.
+    pub fn work(&self) -> u32 {
+        match self.kernel {
+            // The kinds of noise are what the minor parameters are for.
+            Kernel::Whole(_) if self.params.iter().any(|p| p.minor) => 32,
+            Kernel::Whole(_) => 6,
+            _ => 3,
+        }
+    }
+
     /// As a call is written: `clamp(x, low = 0, high = 1)`.
     pub fn signature(&self) -> String {
         let minor = self.params.iter().any(|p| p.minor).then(|| "…".to_string());

@@ -38,7 +38,7 @@ impl<'r> Machine<'r> {
                 Ok(mask.clone())
             }
             StmtKind::If(arms, otherwise) => self.branch(arms, otherwise, mask),
-            StmtKind::While(condition, body) => self.while_loop(condition, body, mask),
+            StmtKind::While(condition, body, effects) => self.while_loop(condition, body, effects, mask),
             StmtKind::For(place, vector, body) => self.for_loop(*place, vector, body, mask),
             StmtKind::Break => {
                 let width = self.width();
@@ -69,7 +69,7 @@ impl<'r> Machine<'r> {
         }
     }
 
-    fn branch(&mut self, arms: &'r [(Expr, Vec<Stmt>)], otherwise: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+    fn branch(&mut self, arms: &'r [(Expr, Block)], otherwise: &'r Block, mask: &Mask) -> Result<Mask> {
         let width = self.width();
         let mut through = Mask::None;
         let mut open = mask.clone();
@@ -77,15 +77,28 @@ impl<'r> Machine<'r> {
             let value = self.eval(condition, &open)?;
             let (yes, no) = self.split(&value, condition.span, &open)?;
             if !yes.is_none() {
-                through = through.or(&self.block(block, &yes)?, width);
+                through = through.or(&self.part(block, &yes)?, width);
             }
             open = no;
             if open.is_none() {
                 return Ok(self.rejoin(through, mask));
             }
         }
-        let rest = self.block(otherwise, &open)?;
+        let rest = self.part(otherwise, &open)?;
         Ok(self.rejoin(through.or(&rest, width), mask))
+    }
+
+    /// Runs the block of a branch, on its lanes alone if that saves work.
+    fn part(&mut self, block: &'r Block, mask: &Mask) -> Result<Mask> {
+        match self.gathered(&block.effects, mask) {
+            Some(lanes) => {
+                self.dense(&lanes, &block.effects, |machine| {
+                    machine.block(&block.stmts, &Mask::All).map(drop)
+                })?;
+                Ok(mask.clone())
+            }
+            None => self.block(&block.stmts, mask),
+        }
     }
 
     /// A mask that has all the lanes of another again is that one: later subset tests then cost nothing.
@@ -93,11 +106,25 @@ impl<'r> Machine<'r> {
         if whole.is_subset(&joined, self.width()) { whole.clone() } else { joined }
     }
 
-    fn while_loop(&mut self, condition: &'r Expr, body: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+    fn while_loop(
+        &mut self,
+        condition: &'r Expr,
+        body: &'r [Stmt],
+        effects: &'r Effects,
+        mask: &Mask,
+    ) -> Result<Mask> {
         let width = self.width();
         let mut left = Mask::None;
         let mut active = mask.clone();
         while !active.is_none() {
+            // As lanes leave, the others go on without them.
+            if let Some(lanes) = self.gathered(effects, &active) {
+                self.dense(&lanes, effects, |machine| {
+                    machine.while_loop(condition, body, effects, &Mask::All).map(drop)
+                })?;
+                left = left.or(&active, width);
+                break;
+            }
             self.step(&active, condition.span)?;
             let value = self.eval(condition, &active)?;
             let (yes, no) = self.split(&value, condition.span, &active)?;

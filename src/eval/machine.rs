@@ -135,6 +135,25 @@ impl<'r> Machine<'r> {
         self.counts = count.then(|| vec![0; n]);
     }
 
+    /// Goes on with so many lanes, of whose counts of steps `pick` makes the new ones. Gives the old counts.
+    pub fn set_width(&mut self, n: usize, pick: impl FnOnce(&[u32]) -> Vec<u32>) -> Option<Vec<u32>> {
+        self.n = n;
+        let old = self.counts.take();
+        self.counts = old.as_deref().map(pick);
+        old
+    }
+
+    /// Goes back to so many lanes and these counts. Gives the counts of the lanes until now.
+    pub fn restore_width(&mut self, n: usize, counts: Option<Vec<u32>>) -> Option<Vec<u32>> {
+        self.n = n;
+        std::mem::replace(&mut self.counts, counts)
+    }
+
+    /// The steps of each lane, where they are counted.
+    pub fn counts_mut(&mut self) -> Option<&mut Vec<u32>> {
+        self.counts.as_mut()
+    }
+
     /// Counts a round of a loop or a call for the active lanes.
     pub fn step(&mut self, mask: &Mask, span: Span) -> Result<()> {
         self.charge(1, mask, span)

@@ -6,6 +6,7 @@
 
 mod bind;
 mod call;
+mod dense;
 mod expr;
 mod fault;
 mod flow;

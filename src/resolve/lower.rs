@@ -8,6 +8,7 @@ use super::tree::*;
 use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::syntax::ast;
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// Turns the trees of a program's files into a [`Resolved`].
 pub(super) struct Resolver<'a> {
@@ -79,6 +80,7 @@ impl<'a> Resolver<'a> {
         super::rate::close_reads(&mut self.out.functions, &self.calls);
         self.check_framed_calls();
         super::rate::mark(&mut self.out);
+        super::effects::mark(&mut self.out);
         std::mem::take(&mut self.out)
     }
 
@@ -307,8 +309,8 @@ impl<'a> Resolver<'a> {
         otherwise: Option<&Vec<ast::Stmt>>,
         scope: &mut Scope,
     ) -> StmtKind {
-        let arms = arms.iter().map(|(c, b)| (self.expr(c, scope), self.nested(b, scope))).collect();
-        StmtKind::If(arms, otherwise.map_or(Vec::new(), |b| self.nested(b, scope)))
+        let arms = arms.iter().map(|(c, b)| (self.expr(c, scope), self.nested(b, scope).into())).collect();
+        StmtKind::If(arms, otherwise.map_or(Vec::new(), |b| self.nested(b, scope)).into())
     }
 
     fn stmt(&mut self, stmt: &ast::Stmt, scope: &mut Scope) -> Option<Stmt> {
@@ -327,7 +329,7 @@ impl<'a> Resolver<'a> {
             Written::If { arms, otherwise } => self.branches(arms, otherwise.as_ref(), scope),
             Written::While(condition, body) => {
                 let condition = self.expr(condition, scope);
-                StmtKind::While(condition, self.looped(body, scope))
+                StmtKind::While(condition, self.looped(body, scope), Arc::default())
             }
             Written::For(name, vector, body) => {
                 let vector = self.expr(vector, scope);

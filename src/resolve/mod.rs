@@ -5,6 +5,7 @@ pub mod names;
 pub mod tree;
 
 mod call;
+mod effects;
 mod expr;
 mod import;
 mod library;

@@ -72,11 +72,11 @@ impl Marker {
                 StmtKind::If(arms, otherwise) => {
                     for (condition, block) in arms {
                         self.root(condition);
-                        self.block(block);
+                        self.block(&mut block.stmts);
                     }
-                    self.block(otherwise);
+                    self.block(&mut otherwise.stmts);
                 }
-                StmtKind::While(e, block) | StmtKind::For(_, e, block) => {
+                StmtKind::While(e, block, _) | StmtKind::For(_, e, block) => {
                     self.root(e);
                     self.block(block);
                 }
@@ -125,25 +125,5 @@ impl Marker {
             self.wrap(child, slow);
         }
         None
-    }
-}
-
-/// The expressions right inside of one.
-fn children(e: &mut Expr) -> Vec<&mut Expr> {
-    match &mut e.kind {
-        ExprKind::Number(_) | ExprKind::Variable(_) => Vec::new(),
-        ExprKind::Kept(_, a, _) | ExprKind::Unary(_, a) | ExprKind::Component(a, _) => vec![a],
-        ExprKind::Binary(_, a, b) | ExprKind::Index(a, b) => vec![a, b],
-        ExprKind::Conditional(parts) => parts.iter_mut().collect(),
-        ExprKind::Vector(elements) => elements
-            .iter_mut()
-            .flat_map(|element| match element {
-                Element::Item(e) => vec![e],
-                Element::Range(a, b) => vec![a, b],
-            })
-            .collect(),
-        ExprKind::Call(_, args) | ExprKind::Builtin(_, args) | ExprKind::Host(_, args) => {
-            args.iter_mut().collect()
-        }
     }
 }

@@ -102,6 +102,34 @@ pub struct Stmt {
     pub span: Span,
 }
 
+/// Statements under a condition.
+#[derive(Clone, Debug, Default)]
+pub struct Block {
+    /// In order.
+    pub stmts: Vec<Stmt>,
+    /// What they do together.
+    pub effects: Arc<Effects>,
+}
+
+impl From<Vec<Stmt>> for Block {
+    fn from(stmts: Vec<Stmt>) -> Block {
+        Block { stmts, effects: Arc::default() }
+    }
+}
+
+/// What statements do.
+#[derive(Clone, Debug, Default)]
+pub struct Effects {
+    /// The variables that are read and not assigned.
+    pub reads: Box<[Place]>,
+    /// The variables that are assigned, all or some of their elements.
+    pub writes: Box<[Place]>,
+    /// Can a `break`, `continue` or `return` leave them for what is around them?
+    pub leaves: bool,
+    /// How much there is to compute for a pixel: 1 is about an operator on scalars.
+    pub work: u32,
+}
+
 /// The kinds of statement.
 #[derive(Clone, Debug)]
 pub enum StmtKind {
@@ -121,9 +149,9 @@ pub enum StmtKind {
     /// An expression alone.
     Expr(Expr),
     /// Conditions with their blocks, and the `else` block.
-    If(Vec<(Expr, Vec<Stmt>)>, Vec<Stmt>),
-    /// A condition and its block.
-    While(Expr, Vec<Stmt>),
+    If(Vec<(Expr, Block)>, Block),
+    /// A condition and its block, and what both together do.
+    While(Expr, Vec<Stmt>, Arc<Effects>),
     /// The loop's variable, the vector, the block.
     For(Place, Expr, Vec<Stmt>),
     /// `break`
@@ -189,6 +217,26 @@ pub enum Element {
     Item(Expr),
     /// `a .. b`: as many as there are.
     Range(Expr, Expr),
+}
+
+/// The expressions right inside of one.
+pub(super) fn children(e: &mut Expr) -> Vec<&mut Expr> {
+    match &mut e.kind {
+        ExprKind::Number(_) | ExprKind::Variable(_) => Vec::new(),
+        ExprKind::Kept(_, a, _) | ExprKind::Unary(_, a) | ExprKind::Component(a, _) => vec![a],
+        ExprKind::Binary(_, a, b) | ExprKind::Index(a, b) => vec![a, b],
+        ExprKind::Conditional(parts) => parts.iter_mut().collect(),
+        ExprKind::Vector(elements) => elements
+            .iter_mut()
+            .flat_map(|element| match element {
+                Element::Item(e) => vec![e],
+                Element::Range(a, b) => vec![a, b],
+            })
+            .collect(),
+        ExprKind::Call(_, args) | ExprKind::Builtin(_, args) | ExprKind::Host(_, args) => {
+            args.iter_mut().collect()
+        }
+    }
 }
 
 impl Resolved {
