@@ -35,6 +35,7 @@ mod kinds;
 mod lattice;
 mod options;
 mod perlin1985;
+mod simplex;
 pub mod sums;
 #[cfg(test)]
 mod tests;
