@@ -26,6 +26,7 @@
 //! assert_eq!(noise[1], 0.0); // gradient noise is zero at lattice points
 //! ```
 
+mod cellular;
 pub mod direction;
 mod field;
 mod gradient;
