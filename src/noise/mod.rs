@@ -26,6 +26,7 @@
 //! assert_eq!(noise[1], 0.0); // gradient noise is zero at lattice points
 //! ```
 
+mod cellular;
 pub mod direction;
 mod field;
 mod gradient;
@@ -35,6 +36,7 @@ mod kinds;
 mod lattice;
 mod options;
 mod perlin1985;
+mod simplex;
 pub mod sums;
 #[cfg(test)]
 mod tests;

@@ -97,7 +97,12 @@ pub static OPTIONS: [Info; 17] = [
     info(Opt::Neighbours, "neighbours", "how many lattice points along each axis are looked at"),
     info(Opt::Beta, "beta", "how steeply the spectrum falls: power is frequency ^ -beta"),
     info(Opt::Roughness, "roughness", "the size of detail at half the scale, 0 to 1"),
-    choice(Opt::Feature, "feature", &["F1", "F2", "F2-F1", "id"], "what is told of the points in the cells"),
+    choice(
+        Opt::Feature,
+        "feature",
+        &["F1", "F2", "F2-F1", "id"],
+        "what is told of the scattered points: the distance to the nearest, to the second nearest, the difference of the two, or a random number for each region",
+    ),
     choice(Opt::Metric, "metric", &["euclidean", "manhattan", "chebyshev"], "what distance is"),
     info(Opt::Jitter, "jitter", "how far points are scattered in their cells, 0 to 1"),
 ];
