@@ -9,6 +9,7 @@
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
 //! | `white` | a random number for each point |
 //! | `lattice`, `direction`, `hash` | what the lattice kinds share |
+//! | `table`, `spline`, `fft` | what the kinds share that fill a table |
 //!
 //! Every other file is a kind. To add one, write its file with a [`Kind`] and put that into the table.
 //!
@@ -28,16 +29,21 @@
 
 mod cellular;
 pub mod direction;
+mod fft;
 mod field;
+mod fourier;
 mod gradient;
 pub mod hash;
 mod kind;
 mod kinds;
 mod lattice;
+mod midpoint;
 mod options;
 mod perlin1985;
 mod simplex;
+mod spline;
 pub mod sums;
+mod table;
 #[cfg(test)]
 mod tests;
 pub mod white;

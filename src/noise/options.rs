@@ -95,7 +95,11 @@ pub static OPTIONS: [Info; 17] = [
         "a curve of your own over distance, in place of a named one: its values at equal steps, the first at 0",
     ),
     info(Opt::Neighbours, "neighbours", "how many lattice points along each axis are looked at"),
-    info(Opt::Beta, "beta", "how steeply the spectrum falls: power is frequency ^ -beta"),
+    info(
+        Opt::Beta,
+        "beta",
+        "how steeply the spectrum falls: the density of power at a frequency, in as many dimensions as the point has, is frequency ^ -beta",
+    ),
     info(Opt::Roughness, "roughness", "the size of detail at half the scale, 0 to 1"),
     choice(
         Opt::Feature,
