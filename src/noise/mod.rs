@@ -7,7 +7,7 @@
 //! | `options` | what kinds can be given beside a seed |
 //! | `field` | the loop over lanes that most kinds share |
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
-//! | `white` | a random number for each point |
+//! | `random` | a random number for each point |
 //! | `lattice`, `direction`, `hash` | what the lattice kinds share |
 //!
 //! Every other file is a kind. To add one, write its file with a [`Kind`] and put that into the table.
@@ -35,10 +35,10 @@ mod kinds;
 mod lattice;
 mod options;
 mod perlin1985;
+pub mod random;
 pub mod sums;
 #[cfg(test)]
 mod tests;
-pub mod white;
 
 pub use field::Field;
 pub use kind::{Contract, Kind, Made, Smoothness, Unfit};

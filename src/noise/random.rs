@@ -1,4 +1,4 @@
-//! White noise: a random number for each point, from the bits of its coordinates.
+//! A random number for each point, from the bits of its coordinates.
 //!
 //! Contract
 //! - even in 0 … 1 without the 1, mean 1/2, standard deviation √(1/12) = 0.289, steps of 2^-24
