@@ -26,10 +26,14 @@
 //! assert_eq!(noise[1], 0.0); // gradient noise is zero at lattice points
 //! ```
 
+#[cfg(test)]
+mod checks;
 pub mod direction;
 mod field;
 mod gradient;
 pub mod hash;
+mod hermite;
+mod improved;
 mod kind;
 mod kinds;
 mod lattice;
