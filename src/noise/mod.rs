@@ -8,7 +8,7 @@
 //! | `field` | the loop over lanes that most kinds share |
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
 //! | `random` | a random number for each point |
-//! | `lattice`, `direction`, `hash` | what the lattice kinds share |
+//! | `lattice`, `tensor`, `direction`, `hash` | what the lattice kinds share |
 //!
 //! Every other file is a kind. To add one, write its file with a [`Kind`] and put that into the table.
 //!
@@ -37,12 +37,16 @@ mod improved;
 mod kind;
 mod kinds;
 mod lattice;
+mod lattice_convolution;
 mod options;
 mod perlin1985;
 pub mod random;
 pub mod sums;
+mod tensor;
 #[cfg(test)]
 mod tests;
+mod value;
+mod value_gradient;
 
 pub use field::Field;
 pub use kind::{Contract, Kind, Made, Smoothness, Unfit};
