@@ -1,7 +1,9 @@
 //! The table of the kinds of noise.
 
 use super::kind::Kind;
-use super::{gradient, hermite, improved, lattice_convolution, perlin1985, value, value_gradient};
+use super::{
+    composed, gradient, hermite, improved, lattice_convolution, perlin1985, value, value_gradient, white,
+};
 
 /// Every kind, the default first, in the order of the documentation.
 pub static KINDS: &[&Kind] = &[
@@ -12,4 +14,6 @@ pub static KINDS: &[&Kind] = &[
     &value_gradient::KIND,
     &hermite::KIND,
     &lattice_convolution::KIND,
+    &white::KIND,
+    &composed::KIND,
 ];

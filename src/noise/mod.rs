@@ -28,6 +28,7 @@
 
 #[cfg(test)]
 mod checks;
+mod composed;
 pub mod direction;
 mod field;
 mod gradient;
@@ -47,6 +48,7 @@ mod tensor;
 mod tests;
 mod value;
 mod value_gradient;
+mod white;
 
 pub use field::Field;
 pub use kind::{Contract, Kind, Made, Smoothness, Unfit};
