@@ -4,7 +4,7 @@ use super::apply::each;
 use super::call::{Call, Fault};
 use super::noise_kind::{coordinates, field, fields, params_of, with_kind};
 use super::{Builtin, Kernel, Param, ex};
-use crate::noise::{Field, white};
+use crate::noise::{Field, random};
 use crate::shape::Shape;
 use crate::value::{Plane, Planes, Value};
 
@@ -81,7 +81,7 @@ fn random(call: &Call<'_>) -> Result<Value, Fault> {
         if !matches!(p.shape, Shape::Scalar | Shape::Vector(1..)) {
             return Err(Fault::of(0, format!("random takes a scalar or a vector, found {}", p.shape)));
         }
-        let [out] = call.planes(&p.planes, |p, [out]| white::random(call.isa, p, seed, out));
+        let [out] = call.planes(&p.planes, |p, [out]| random::random(call.isa, p, seed, out));
         Ok(Value::scalar(out))
     })
 }

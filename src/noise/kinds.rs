@@ -1,14 +1,24 @@
 //! The table of the kinds of noise.
 
 use super::kind::Kind;
-use super::{cellular, fourier, gradient, midpoint, perlin1985, simplex};
+use super::{
+    cellular, composed, fourier, gradient, hermite, improved, lattice_convolution, midpoint, perlin1985,
+    simplex, value, value_gradient, white,
+};
 
 /// Every kind, the default first, in the order of the documentation.
 pub static KINDS: &[&Kind] = &[
     &perlin1985::KIND,
     &gradient::KIND,
+    &improved::KIND,
     &simplex::KIND,
+    &value::KIND,
+    &value_gradient::KIND,
+    &hermite::KIND,
+    &lattice_convolution::KIND,
     &cellular::KIND,
+    &white::KIND,
+    &composed::KIND,
     &fourier::KIND,
     &midpoint::KIND,
 ];

@@ -74,20 +74,25 @@ impl<W: Wrap<D>, const D: usize> Lattice<W, D> {
 }
 
 /// Makes the field of a lattice algorithm: for each number of dimensions listed, with a period or without.
-/// `|lattice| algorithm` is the [`Pointwise`] algorithm on a [`Lattice`], whatever its dimension.
+/// `|lattice| algorithm` is the [`Pointwise`] algorithm on a [`Lattice`], whatever its dimension. An
+/// algorithm of another sort has the name of its field before that, in place of `Each`.
 macro_rules! lattice_field {
     ($dimensions:expr, $params:expr, [$($d:literal)*], |$lattice:ident| $algorithm:expr) => {{
-        use $crate::noise::{field::Each, lattice::{Endless, Lattice, Periodic}};
+        use $crate::noise::{field::Each, lattice::lattice_field};
+        lattice_field!($dimensions, $params, [$($d)*], Each |$lattice| $algorithm)
+    }};
+    ($dimensions:expr, $params:expr, [$($d:literal)*], $field:ident |$lattice:ident| $algorithm:expr) => {{
+        use $crate::noise::lattice::{Endless, Lattice, Periodic};
         let (dimensions, params): (usize, &$crate::noise::options::Params) = ($dimensions, $params);
         Ok(match dimensions {
             $($d => match params.period::<$d>()? {
                 None => {
                     let $lattice = Lattice::<Endless, $d>::new(params.seed, Endless);
-                    std::sync::Arc::new(Each::<_, $d>($algorithm)) as std::sync::Arc<dyn $crate::noise::Field>
+                    std::sync::Arc::new($field::<_, $d>($algorithm)) as std::sync::Arc<dyn $crate::noise::Field>
                 }
                 Some(period) => {
                     let $lattice = Lattice::<_, $d>::new(params.seed, Periodic(period));
-                    std::sync::Arc::new(Each::<_, $d>($algorithm))
+                    std::sync::Arc::new($field::<_, $d>($algorithm))
                 }
             },)*
             _ => unreachable!("the kind has no such dimension"),
@@ -102,6 +107,18 @@ pub trait Planes: Copy + Send + Sync {
     const SCALE: f32;
     /// The value, at an offset from it, of the linear function of the lattice point with this hash.
     fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32;
+    /// The weight of the upper corner along an axis, at t from the lower one, and its derivative.
+    #[inline(always)]
+    fn weight(t: f32) -> (f32, f32) {
+        // 3t² - 2t³: 0 and 1 at the ends, with slopes 0.
+        (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t))
+    }
+    /// The offsets along an axis from the lower and the upper corner that heights are taken at, and their
+    /// derivatives.
+    #[inline(always)]
+    fn offsets(t: f32) -> ([f32; 2], [f32; 2]) {
+        ([t, t - 1.0], [1.0; 2])
+    }
 }
 
 /// A point within its cell.
@@ -111,6 +128,8 @@ struct Cell<const D: usize> {
     keys: [[u32; 2]; D],
     /// The point as seen from the lower and from the upper corner.
     offset: [[f32; 2]; D],
+    /// The derivatives of the offsets.
+    stretch: [[f32; 2]; D],
     /// The weight of the upper corner.
     weight: [f32; D],
     /// The derivative of the weight.
@@ -126,16 +145,15 @@ fn lerp(w: f32, a: f32, b: f32) -> f32 {
 impl<const D: usize> Cell<D> {
     /// Finds the cell of a point.
     #[inline(always)]
-    fn new<W: Wrap<D>>(p: [f32; D], lattice: &Lattice<W, D>) -> Cell<D> {
-        let mut cell = Cell { keys: [[0; 2]; D], offset: [[0.0; 2]; D], weight: [0.0; D], slope: [0.0; D] };
+    fn new<P: Planes, W: Wrap<D>>(p: [f32; D], lattice: &Lattice<W, D>) -> Cell<D> {
+        let (two, one) = ([[0.0; 2]; D], [0.0; D]);
+        let mut cell = Cell { keys: [[0; 2]; D], offset: two, stretch: two, weight: one, slope: one };
         for k in 0..D {
             let low = p[k].floor();
             cell.keys[k] = [lattice.key(k, low), lattice.key(k, low + 1.0)];
             let t = p[k] - low;
-            cell.offset[k] = [t, t - 1.0];
-            // 3t² - 2t³: 0 and 1 at the ends, with slopes 0.
-            cell.weight[k] = t * t * (3.0 - 2.0 * t);
-            cell.slope[k] = 6.0 * t * (1.0 - t);
+            (cell.offset[k], cell.stretch[k]) = P::offsets(t);
+            (cell.weight[k], cell.slope[k]) = P::weight(t);
         }
         cell
     }
@@ -192,7 +210,11 @@ impl<const D: usize> Cell<D> {
     #[inline(always)]
     fn corner_jet<P: Planes>(&self, corner: usize) -> Jet<D> {
         let (hash, offset) = self.corner(corner);
-        Jet { value: P::height(hash, offset), gradient: direction(hash) }
+        let mut gradient = direction(hash);
+        for k in 0..D {
+            gradient[k] *= self.stretch[k][corner >> k & 1];
+        }
+        Jet { value: P::height(hash, offset), gradient }
     }
 
     /// Blends along an axis: to its own derivative the change of the weight adds.
@@ -254,11 +276,11 @@ impl<P: Planes, W: Wrap<D>, const D: usize> Linear<P, W, D> {
 impl<P: Planes, W: Wrap<D>, const D: usize> Pointwise<D> for Linear<P, W, D> {
     #[inline(always)]
     fn value(&self, p: [f32; D]) -> f32 {
-        Cell::new(p, &self.lattice).value::<P>()
+        Cell::new::<P, W>(p, &self.lattice).value::<P>()
     }
 
     #[inline(always)]
     fn jet(&self, p: [f32; D]) -> Jet<D> {
-        Cell::new(p, &self.lattice).jet::<P>()
+        Cell::new::<P, W>(p, &self.lattice).jet::<P>()
     }
 }

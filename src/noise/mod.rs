@@ -7,9 +7,9 @@
 //! | `options` | what kinds can be given beside a seed |
 //! | `field` | the loop over lanes that most kinds share |
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
-//! | `white` | a random number for each point |
-//! | `lattice`, `direction`, `hash` | what the lattice kinds share |
 //! | `table`, `spline`, `fft` | what the kinds share that fill a table |
+//! | `random` | a random number for each point |
+//! | `lattice`, `tensor`, `direction`, `hash` | what the lattice kinds share |
 //!
 //! Every other file is a kind. To add one, write its file with a [`Kind`] and put that into the table.
 //!
@@ -28,25 +28,35 @@
 //! ```
 
 mod cellular;
+#[cfg(test)]
+mod checks;
+mod composed;
 pub mod direction;
 mod fft;
 mod field;
 mod fourier;
 mod gradient;
 pub mod hash;
+mod hermite;
+mod improved;
 mod kind;
 mod kinds;
 mod lattice;
+mod lattice_convolution;
 mod midpoint;
 mod options;
 mod perlin1985;
+pub mod random;
 mod simplex;
 mod spline;
 pub mod sums;
 mod table;
+mod tensor;
 #[cfg(test)]
 mod tests;
-pub mod white;
+mod value;
+mod value_gradient;
+mod white;
 
 pub use field::Field;
 pub use kind::{Contract, Kind, Made, Smoothness, Unfit};

@@ -384,14 +384,14 @@ fn turbulence_is_the_sum_of_its_octaves() {
 }
 
 #[test]
-fn white_noise_is_even_and_tells_all_floats_apart() {
+fn random_numbers_are_even_and_tell_all_floats_apart() {
     let n = 100_000;
     let bits_of = |start: u32| (0..n).map(|i| f32::from_bits(start + i as u32)).collect::<Vec<f32>>();
     for start in [0, 0x3f80_0000, 0xc0a0_0000] {
         let mut out = vec![0.0; n];
-        white::random(Isa::detect(), &[&bits_of(start)], 0, &mut out);
+        random::random(Isa::detect(), &[&bits_of(start)], 0, &mut out);
         let mut same = vec![0.0; n];
-        white::random(Isa::baseline(), &[&bits_of(start)], 0, &mut same);
+        random::random(Isa::baseline(), &[&bits_of(start)], 0, &mut same);
         assert_eq!(bits(&out), bits(&same));
         assert!(out.iter().all(|r| (0.0..1.0).contains(r)));
         assert!((mean(&out) - 0.5).abs() < 0.005 && (std(&out) - 0.2887).abs() < 0.003);
@@ -400,7 +400,7 @@ fn white_noise_is_even_and_tells_all_floats_apart() {
     }
     let of = |p: &[f32]| {
         let mut out = [0.0];
-        white::random(Isa::detect(), &p.iter().map(std::slice::from_ref).collect::<Vec<_>>(), 0, &mut out);
+        random::random(Isa::detect(), &p.iter().map(std::slice::from_ref).collect::<Vec<_>>(), 0, &mut out);
         out[0]
     };
     assert!(of(&[f32::NAN]).is_nan() && of(&[1.0, f32::NAN]).is_nan() && of(&[f32::INFINITY]) < 1.0);
