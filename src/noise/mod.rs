@@ -6,6 +6,7 @@
 //! | `kind` | what an entry says, and how a [`Field`] is made and kept |
 //! | `options` | what kinds can be given beside a seed |
 //! | `field` | the loop over lanes that most kinds share |
+//! | `reference` | the entries of the kinds in words |
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
 //! | `white` | a random number for each point |
 //! | `lattice`, `direction`, `hash` | what the lattice kinds share |
@@ -35,6 +36,7 @@ mod kinds;
 mod lattice;
 mod options;
 mod perlin1985;
+pub mod reference;
 pub mod sums;
 #[cfg(test)]
 mod tests;
