@@ -139,15 +139,14 @@ fn wiener_noise_passes_through_the_values_of_its_lattice() {
     // At lattice points nothing is interpolated: whatever the covariance, the same random numbers are there.
     let at = |params: Params| values(&*field(kind, 3, &params), &points);
     let known = at(Params::default());
-    let deviation = Moments::of(&known).deviation;
     for other in [
         Params::default().with(Opt::Width, &[0.4]),
         Params::default().with(Opt::Width, &[0.6]),
         Params::default().with_choice(Opt::Covariance, "oscillatory"),
     ] {
-        for (a, b) in known.iter().zip(at(other)) {
-            assert!(f64::from((a - b).abs()) < 1e-3 * deviation, "{a} and {b}");
-        }
+        // But for a factor, which keeps the deviation what it is.
+        let likeness = correlation(&known, &at(other));
+        assert!(likeness > 0.99999, "{likeness}");
     }
     // And they have nothing to do with each other.
     for direction in [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 2.0, 0.0]] {

@@ -41,7 +41,7 @@ fn table() -> String {
             digits(m.isotropy),
             digits(m.far),
             digits(m.shift),
-            format!("{:.4}", m.derivative),
+            if m.derivative.is_finite() { format!("{:.4}", m.derivative) } else { "none".into() },
             kind.contract.cost.to_string(),
         ];
         let _ = writeln!(text, "| {} |", cells.join(" | "));

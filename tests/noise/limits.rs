@@ -46,18 +46,26 @@ pub struct Limits {
     pub below: [f64; 2],
     pub band: [f64; 2],
     pub above: [f64; 2],
-    /// The largest steps across faces, where they may be larger than those of [`Rule::Seamless`].
-    pub steps: [f64; 2],
+    /// The largest steps of value and slope across faces, and the rms of that of the slope, where they may be larger than
+    /// [`Rule::Seamless`] says.
+    pub steps: [f64; 3],
     /// The rules that do not hold, and why.
     pub but: &'static [(Rule, &'static str)],
 }
 
 const ANY: [f64; 2] = [0.0, 1.0];
-const NARROW: [f64; 2] = [0.002, 0.03];
+const NARROW: [f64; 3] = [0.002, 0.03, 0.03];
 
 const fn free(name: &'static str) -> Limits {
     Limits { name, below: ANY, band: ANY, above: ANY, steps: NARROW, but: &[] }
 }
+
+/// Of kinds with a table, in which the longest waves are the strongest.
+const LONG_WAVES: &[(Rule, &str)] = &[
+    (Rule::Unrepeated, "it has a table, which repeats"),
+    (Rule::Seeds, "a few long waves are most of it, and are alike by chance"),
+    (Rule::Turned, "a few long waves are most of it, and lie somehow"),
+];
 
 /// Every kind that there is to be. What the numbers of Peachey's figure 2.37 say, and the contracts.
 pub static EXPECTED: [Limits; 17] = [
@@ -69,14 +77,28 @@ pub static EXPECTED: [Limits; 17] = [
     Limits { above: [0.0, 0.03], ..free("hermite") },
     Limits { above: [0.0, 0.005], ..free("lattice_convolution") },
     Limits { above: [0.0, 0.005], ..free("sparse_convolution") },
-    Limits { steps: [0.02, 0.15], ..free("wiener") },
-    free("white"),
-    free("composed"),
+    // Each cell has neighbours of its own, and a step to the next where those are too few.
+    Limits { steps: [0.02, 0.3, 0.15], ..free("wiener") },
+    Limits {
+        but: &[
+            (Rule::Seamless, "each cell has a value of its own"),
+            (Rule::Derivative, "it is 0 wherever there is one"),
+            (Rule::Isotropic, "cells are cubes"),
+        ],
+        ..free("white")
+    },
+    Limits { but: &[(Rule::Turned, "it is made of noises along the axes")], ..free("composed") },
     free("gardner"),
-    free("fourier"),
-    free("midpoint"),
+    Limits { but: LONG_WAVES, ..free("fourier") },
+    Limits { but: &[LONG_WAVES[0], LONG_WAVES[1]], ..free("midpoint") },
     free("simplex"),
-    free("cellular"),
+    Limits {
+        but: &[
+            (Rule::Centred, "distances are not negative"),
+            (Rule::Seamless, "it has a kink wherever the nearest of two points changes"),
+        ],
+        ..free("cellular")
+    },
     free("gabor"),
 ];
 
@@ -102,7 +124,8 @@ pub fn holds(rule: Rule, m: &Measured, limits: &Limits) -> (bool, String) {
         Rule::Seamless => {
             let value = at_most("step of the value", m.value_jump, limits.steps[0]);
             let slope = at_most("step of the slope", m.slope_jump, limits.steps[1]);
-            (value.0 && slope.0, format!("{}; {}", value.1, slope.1))
+            let usual = at_most("its rms", m.usual_slope_jump, limits.steps[2]);
+            (value.0 && slope.0 && usual.0, format!("{}; {}; {}", value.1, slope.1, usual.1))
         }
         Rule::Smooth => {
             // More than two derivatives are not looked at.

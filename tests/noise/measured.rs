@@ -58,6 +58,8 @@ pub struct Measured {
     /// The largest steps, across the faces of unit cells, of the value and of the derivatives.
     pub value_jump: f64,
     pub slope_jump: f64,
+    /// The root mean square of those of the derivative across.
+    pub usual_slope_jump: f64,
     /// How many derivatives are continuous along lines; not more than two are looked at.
     pub smoothness: Smoothness,
     /// The largest step of the second derivative across faces, over its rms.
@@ -87,6 +89,11 @@ pub fn one(name: &str) -> Option<&'static Measured> {
     all().iter().find(|m| m.kind.name == name)
 }
 
+/// How large something is that may be 0, as its measure may.
+fn ratio(size: f64, measure: f64) -> f64 {
+    if size == 0.0 { 0.0 } else { size / measure }
+}
+
 fn measure(kind: &'static Kind) -> Measured {
     let d = kind.usual_dimensions();
     let noise = &*field(kind, d, &Params::default());
@@ -97,7 +104,7 @@ fn measure(kind: &'static Kind) -> Measured {
         Moments::of(&slopes.concat()).rms()
     };
     let spectrum = spectrum(|p, out| noise.noise(Isa::detect(), p, out), d);
-    let [value_jump, slope_jump, bend_jump] = jumps(noise, d);
+    let [value_jump, slope_jump, usual_slope_jump, bend_jump] = jumps(noise, d);
     Measured {
         kind,
         moments,
@@ -106,15 +113,16 @@ fn measure(kind: &'static Kind) -> Measured {
         band: spectrum.share(0.3, 0.7),
         above: spectrum.share(1.0, f64::INFINITY),
         value_jump: value_jump / moments.deviation,
-        slope_jump: slope_jump / rms_slope,
-        bend_jump,
+        slope_jump: ratio(slope_jump, rms_slope),
+        usual_slope_jump: ratio(usual_slope_jump, rms_slope),
+        bend_jump: ratio(bend_jump, rms_bend(noise, d)),
         smoothness: smoothness(noise, d),
         isotropy: isotropy(noise, d),
         planes: planes(noise, d),
         far: far(noise, d),
         shift: shift(noise, d),
         seeds: seeds(kind, d),
-        derivative: derivative_error(noise, d, kind.contract.smoothness) / rms_slope,
+        derivative: ratio(derivative_error(noise, d, kind.contract.smoothness), rms_slope),
     }
 }
 
@@ -164,12 +172,13 @@ fn range(noise: &dyn Field, d: usize) -> [f32; 2] {
     [climb(&order[..64], -1.0), climb(&order[found.len() - 64..], 1.0)]
 }
 
-/// The largest steps across faces of cells of the value and of the derivatives, and of the second derivative over its rms.
-fn jumps(noise: &dyn Field, d: usize) -> [f64; 3] {
+/// The steps across faces of cells: the largest of the value and of the derivatives, the rms of the derivative across, the
+/// largest of the second derivative across.
+fn jumps(noise: &dyn Field, d: usize) -> [f64; 4] {
     const FACES: usize = 1 << 12;
     let near = 1.0 / 16384.0;
     let wide = 1.0 / 512.0;
-    let (mut value, mut slope, mut bend, mut bends) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
+    let (mut value, mut slope, mut across, mut bend) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     for k in 0..d {
         // Near the origin, so that coordinates are exact so close to a face.
         let mut faces = Random::new(5 + k as u64).points(d, FACES, 30.0, 1.0 / 16384.0);
@@ -197,11 +206,24 @@ fn jumps(noise: &dyn Field, d: usize) -> [f64; 3] {
             for (before, after) in before.iter().zip(&after) {
                 slope = slope.max((wide(before) - wide(after)).abs());
             }
+            across += (wide(&before[k]) - wide(&after[k])) * (wide(&before[k]) - wide(&after[k]));
             bend = bend.max((left[i] - right[i]).abs());
-            bends += (left[i] * left[i] + right[i] * right[i]) / (2 * FACES * d) as f64;
         }
     }
-    [value, slope, if bends > 0.0 { bend / bends.sqrt() } else { 0.0 }]
+    [value, slope, (across / (FACES * d) as f64).sqrt(), bend]
+}
+
+/// The rms second derivative along an axis.
+fn rms_bend(noise: &dyn Field, d: usize) -> f64 {
+    let step = 1.0 / 512.0;
+    let points = Random::new(7).points(d, 1 << 14, 30.0, 1.0 / 16384.0);
+    let bends = (0..d).flat_map(|k| {
+        let axis: Vec<f64> = (0..d).map(|i| f64::from(i == k)).collect();
+        let at = |by: f64| slopes(noise, &moved(&points, &axis, by)).swap_remove(k);
+        let (up, down) = (at(step), at(-step));
+        up.iter().zip(&down).map(|(b, a)| (b - a) / (2.0 * step as f32)).collect::<Vec<f32>>()
+    });
+    Moments::of(&bends.collect::<Vec<f32>>()).rms()
 }
 
 /// How many derivatives are continuous along lines: the largest step between neighbouring samples is halved with
@@ -318,9 +340,11 @@ fn shift(noise: &dyn Field, d: usize) -> f64 {
 
 fn seeds(kind: &'static Kind, d: usize) -> f64 {
     let points = Random::new(14).points(d, 20_000, 500.0, 1.0 / 64.0);
-    // As programs give them: the bits of the numbers 0, 1, 2 and -1, and others.
-    let seeds = [0, 1.0_f32.to_bits(), 2.0_f32.to_bits(), (-1.0_f32).to_bits(), 1, 2, 1 << 31];
-    let all = seeds.map(|seed| values(&*field(kind, d, &Params::seeded(seed)), &points));
+    // As programs give them: the bits of the numbers 0, 1, 2 … -1; and whole numbers as they are.
+    let numbers = (-1..16).map(|i| (i as f32 + 0.0).to_bits());
+    let seeds: Vec<u32> = numbers.chain([1, 2, 3, 1 << 31, u32::MAX]).collect();
+    let all: Vec<Vec<f32>> =
+        seeds.iter().map(|seed| values(&*field(kind, d, &Params::seeded(*seed)), &points)).collect();
     let pairs = (0..seeds.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
     pairs.map(|(a, b)| correlation(&all[a], &all[b]).abs()).fold(0.0, f64::max)
 }
