@@ -59,7 +59,7 @@ pub(super) struct Lattice<W, const D: usize> {
 impl<W: Wrap<D>, const D: usize> Lattice<W, D> {
     /// That of a user's seed.
     pub(super) fn new(seed: u32, wrap: W) -> Lattice<W, D> {
-        Lattice { seed: hash::seed(seed), wrap }
+        Lattice { seed: hash::seed(seed) ^ hash::seed(0), wrap }
     }
 
     /// The hash of a lattice point's coordinate (a whole number) along an axis. The exclusive or of those of all
@@ -68,8 +68,10 @@ impl<W: Wrap<D>, const D: usize> Lattice<W, D> {
     pub(super) fn key(&self, axis: usize, coordinate: f32) -> u32 {
         // The key of an integer is its own bit pattern: exact at any size, and no conversion can overflow.
         // Adding zero makes one of the two zeros.
-        let key = hash::axis((self.wrap.wrap(coordinate, axis) + 0.0).to_bits(), axis);
-        if axis == 0 { key ^ self.seed } else { key }
+        let key = (self.wrap.wrap(coordinate, axis) + 0.0).to_bits();
+        // The seed goes in before the hash: two seeds then differ otherwise at every coordinate. (Put in after it
+        // they would differ by the same bits everywhere, and hashes of points that differ so are not all unrelated.)
+        if axis == 0 { hash::axis(key ^ self.seed, 0) ^ hash::seed(0) } else { hash::axis(key, axis) }
     }
 }
 

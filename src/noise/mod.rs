@@ -6,6 +6,7 @@
 //! | `kind` | what an entry says, and how a [`Field`] is made and kept |
 //! | `options` | what kinds can be given beside a seed |
 //! | `field` | the loop over lanes that most kinds share |
+//! | `reference` | the entries of the kinds in words |
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
 //! | `table`, `spline`, `fft` | what the kinds share that fill a table |
 //! | `random` | a random number for each point |
@@ -47,6 +48,7 @@ mod midpoint;
 mod options;
 mod perlin1985;
 pub mod random;
+pub mod reference;
 mod simplex;
 mod spline;
 pub mod sums;
