@@ -29,6 +29,7 @@
 mod cellular;
 pub mod direction;
 mod field;
+mod gardner;
 mod gradient;
 pub mod hash;
 mod kind;
