@@ -2,8 +2,8 @@
 
 use super::kind::Kind;
 use super::{
-    cellular, composed, fourier, gradient, hermite, improved, lattice_convolution, midpoint, perlin1985,
-    simplex, value, value_gradient, white,
+    cellular, composed, fourier, gardner, gradient, hermite, improved, lattice_convolution, midpoint,
+    perlin1985, simplex, value, value_gradient, white,
 };
 
 /// Every kind, the default first, in the order of the documentation.
@@ -18,6 +18,7 @@ pub static KINDS: &[&Kind] = &[
     &lattice_convolution::KIND,
     &cellular::KIND,
     &white::KIND,
+    &gardner::KIND,
     &composed::KIND,
     &fourier::KIND,
     &midpoint::KIND,

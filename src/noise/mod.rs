@@ -36,6 +36,7 @@ pub mod direction;
 mod fft;
 mod field;
 mod fourier;
+mod gardner;
 mod gradient;
 pub mod hash;
 mod hermite;

@@ -12,6 +12,7 @@ use super::metric::{Metric, greater, lesser};
 use crate::lanes::{Isa, Kernel};
 use crate::noise::field::TILE;
 use crate::noise::hash;
+use std::array::from_fn;
 use std::marker::PhantomData;
 
 /// The nearest feature points: bits of the measures of the distance to them, and their cells. The bits of
@@ -171,7 +172,7 @@ pub fn further<M: Metric, const D: usize>(
     second: bool,
     nearest: Nearest<i32>,
 ) -> Nearest<i32> {
-    let (low, rest) = (points.low.map(|low| low[i]), points.rest.map(|rest| rest[i]));
+    let (low, rest) = (from_fn(|k| points.low[k][i]), from_fn(|k| points.rest[k][i]));
     let mut closest = [0.0; D];
     let mut least = 0.5;
     for k in (0..D).rev() {
@@ -221,12 +222,16 @@ impl<const D: usize> Shell<'_, D> {
             }
             self.middle[axis] = (off as f32 + 0.5) - self.rest[axis];
             self.gap[axis] = greater(self.middle[axis].abs() - (0.5 - self.cells.margin), 0.0);
-            let mut gap = self.gap;
             if !outer {
                 // One of the axes to come has to be, then.
-                gap[axis + 1] = (self.size - 1) as f32 + self.closest[axis + 1];
+                self.gap[axis + 1] = (self.size - 1) as f32 + self.closest[axis + 1];
             }
-            if M::measure(gap) >= self.sought() {
+            // (Set back rather than done on a copy, which would wait for what was just written.)
+            let gap = M::measure(self.gap);
+            if !last {
+                self.gap[axis + 1] = 0.0;
+            }
+            if gap >= self.sought() {
                 continue;
             }
             let joined = joined ^ self.cells.key(axis, self.low[axis] + off as f32);
