@@ -26,7 +26,7 @@ pub static KIND: Kind = Kind {
         source: "Perlin 1992, section 3.6.2; Peachey, \"Gradient Noise\"",
         remarks: "",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Gradient, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(fast d, params, [1 2 3 4], |lattice| Linear::<Gradient, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]

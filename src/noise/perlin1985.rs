@@ -27,7 +27,7 @@ pub static KIND: Kind = Kind {
         source: "Perlin 1985, \"Noise()\"",
         remarks: "Of a million points all were within ±1.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Perlin1985, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(fast d, params, [1 2 3 4], |lattice| Linear::<Perlin1985, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]
