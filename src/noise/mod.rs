@@ -39,11 +39,13 @@ pub mod sums;
 #[cfg(test)]
 mod tests;
 pub mod white;
+mod wiener;
 
 pub use field::Field;
 pub use kind::{Contract, Kind, Made, Smoothness, Unfit};
 pub use kinds::KINDS;
 pub use options::{Info, OPTIONS, Opt, Params};
+pub use wiener::wiener_error;
 
 /// The seed of another, unrelated noise: one for each number below 2^32, and for 0 the seed itself.
 pub fn related_seed(seed: u32, number: u32) -> u32 {
