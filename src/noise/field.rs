@@ -63,7 +63,7 @@ pub(super) fn coordinates<'a, const D: usize>(p: &[&'a [f32]]) -> [&'a [f32]; D]
 /// knows that they do not overlap.
 pub(super) const TILE: usize = 64;
 /// A tile is filled up to a multiple of the widest vector, so that no lane runs alone.
-const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 8;
 
 /// Copies up to [`TILE`] lanes of each coordinate, from lane `start`, and tells how many to work on.
 #[inline(always)]

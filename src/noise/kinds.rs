@@ -2,8 +2,8 @@
 
 use super::kind::Kind;
 use super::{
-    cellular, composed, fourier, gardner, gradient, hermite, improved, lattice_convolution, midpoint,
-    perlin1985, simplex, value, value_gradient, white,
+    cellular, composed, fourier, gabor, gardner, gradient, hermite, improved, lattice_convolution, midpoint,
+    perlin1985, simplex, sparse_convolution, value, value_gradient, white, wiener,
 };
 
 /// Every kind, the default first, in the order of the documentation.
@@ -16,6 +16,9 @@ pub static KINDS: &[&Kind] = &[
     &value_gradient::KIND,
     &hermite::KIND,
     &lattice_convolution::KIND,
+    &sparse_convolution::KIND,
+    &gabor::KIND,
+    &wiener::KIND,
     &cellular::KIND,
     &white::KIND,
     &gardner::KIND,

@@ -8,6 +8,7 @@
 //! | `field` | the loop over lanes that most kinds share |
 //! | `reference` | the entries of the kinds in words |
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
+//! | `impulses` | what the kinds share that scatter impulses |
 //! | `table`, `spline`, `fft` | what the kinds share that fill a table |
 //! | `random` | a random number for each point |
 //! | `lattice`, `tensor`, `direction`, `hash` | what the lattice kinds share |
@@ -36,11 +37,13 @@ pub mod direction;
 mod fft;
 mod field;
 mod fourier;
+mod gabor;
 mod gardner;
 mod gradient;
 pub mod hash;
 mod hermite;
 mod improved;
+mod impulses;
 mod kind;
 mod kinds;
 mod lattice;
@@ -51,6 +54,7 @@ mod perlin1985;
 pub mod random;
 pub mod reference;
 mod simplex;
+mod sparse_convolution;
 mod spline;
 pub mod sums;
 mod table;
@@ -60,11 +64,13 @@ mod tests;
 mod value;
 mod value_gradient;
 mod white;
+mod wiener;
 
 pub use field::Field;
 pub use kind::{Contract, Kind, Made, Smoothness, Unfit};
 pub use kinds::KINDS;
 pub use options::{Info, OPTIONS, Opt, Params};
+pub use wiener::wiener_error;
 
 /// The seed of another, unrelated noise: one for each number below 2^32, and for 0 the seed itself.
 pub fn related_seed(seed: u32, number: u32) -> u32 {
