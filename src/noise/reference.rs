@@ -69,13 +69,18 @@ pub fn markdown() -> String {
         for (what, value) in rows(kind) {
             let _ = writeln!(text, "| {what} | {} |", value.replace('|', "\\|"));
         }
-        if !kind.options.is_empty() {
-            let _ = write!(text, "\nOptions:\n\n");
-        }
-        for option in kind.options {
-            let _ = writeln!(text, "- `{}`: {}", option.name(), meaning(*option));
-        }
         text.push_str(&remarks(kind));
+    }
+    text
+}
+
+/// All options in Markdown: a table of what they mean and which kinds take them.
+pub fn options() -> String {
+    let mut text = String::from("| option | what it is | for |\n|---|---|---|\n");
+    for info in &OPTIONS {
+        let takers = KINDS.iter().filter(|kind| kind.options.contains(&info.option));
+        let takers: Vec<String> = takers.map(|kind| format!("[{0}](#{0})", kind.name)).collect();
+        let _ = writeln!(text, "| `{}` | {} | {} |", info.name, meaning(info.option), takers.join(", "));
     }
     text
 }
@@ -114,9 +119,10 @@ fn span(least: usize, most: usize) -> String {
 
 /// The bounds in each number of dimensions; those alike once.
 fn bounds(kind: &Kind) -> String {
-    let pair = |[least, most]: [f32; 2]| match least == -most {
-        true => format!("±{most}"),
-        false => format!("{least} … {most}"),
+    let pair = |[least, most]: [f32; 2]| match (least.is_infinite() || most.is_infinite(), least == -most) {
+        (true, _) => "none".to_string(),
+        (_, true) => format!("±{most}"),
+        _ => format!("{least} … {most}"),
     };
     let all = kind.contract.bounds;
     if all.windows(2).all(|w| w[0] == w[1]) {
@@ -149,6 +155,7 @@ mod tests {
                 assert!(text.contains(option.info().doc), "{text}");
             }
         }
+        assert!(options().contains("| `period` |") && options().contains("[gradient](#gradient)"));
         let gradient = Kind::from_name("gradient").expect("the kind");
         assert_eq!(bounds(gradient), "±0.75 in 1-D, ±1.061 in 2-D, ±1.3 in 3-D, ±1.501 in 4-D");
     }

@@ -10,6 +10,32 @@ fn cases() -> impl Iterator<Item = (&'static Kind, usize)> {
     KINDS.iter().flat_map(|kind| kind.dimensions.clone().map(move |d| (*kind, d)))
 }
 
+/// The same, with the default options and with every other word of each option that is one of some words, where there is
+/// a noise of that.
+fn variants() -> impl Iterator<Item = (&'static Kind, usize, Params)> {
+    cases().flat_map(|(kind, d)| {
+        let words = kind.options.iter().flat_map(|option| {
+            let others = option.info().choices.iter().skip(1);
+            others.map(|word| Params::default().with_choice(*option, word))
+        });
+        let words = words.filter(move |params| kind.field(d, params).is_ok());
+        std::iter::once(Params::default()).chain(words).map(move |params| (kind, d, params))
+    })
+}
+
+#[test]
+fn every_word_is_taken() {
+    for kind in KINDS {
+        for (option, word) in
+            kind.options.iter().flat_map(|o| o.info().choices.iter().map(move |word| (*o, *word)))
+        {
+            let params = Params::default().with_choice(option, word);
+            let taken = kind.dimensions.clone().any(|d| kind.field(d, &params).is_ok());
+            assert!(taken, "{kind:?} says that it takes {}, but not {word}", option.name());
+        }
+    }
+}
+
 fn bits(x: &[f32]) -> Vec<u32> {
     x.iter().map(|x| if x.is_nan() { f32::NAN.to_bits() } else { x.to_bits() }).collect()
 }
@@ -117,8 +143,8 @@ fn awkward(d: usize) -> Points {
 
 #[test]
 fn every_instruction_set_and_number_of_lanes_gives_the_same_bits() {
-    for (kind, d) in cases() {
-        let noise = field(kind, d, &Params::default());
+    for (kind, d, params) in variants() {
+        let noise = field(kind, d, &params);
         let p = awkward(d);
         let run = |isa: Isa, p: &[&[f32]]| {
             let mut value = vec![0.0; p[0].len()];
@@ -129,23 +155,23 @@ fn every_instruction_set_and_number_of_lanes_gives_the_same_bits() {
             slopes.iter().map(|x| bits(x)).collect::<Vec<_>>()
         };
         let known = run(Isa::baseline(), &slices(&p));
-        assert_eq!(known, run(Isa::detect(), &slices(&p)), "{kind:?} {d}-D");
+        assert!(known == run(Isa::detect(), &slices(&p)), "{kind:?} {d}-D {params:?}");
         for n in [1, 7, 64, 65, 256] {
             let cut: Vec<&[f32]> = p.iter().map(|x| &x[257 - n..]).collect();
             let tail: Vec<Vec<u32>> = known.iter().map(|x| x[257 - n..].to_vec()).collect();
-            assert_eq!(run(Isa::detect(), &cut), tail, "{kind:?} {d}-D, {n} lanes");
+            assert!(run(Isa::detect(), &cut) == tail, "{kind:?} {d}-D {params:?}, {n} lanes");
         }
     }
 }
 
 #[test]
 fn not_a_number_gives_not_a_number() {
-    for (kind, d) in cases() {
-        let noise = field(kind, d, &Params::default());
+    for (kind, d, params) in variants() {
+        let noise = field(kind, d, &params);
         for k in 0..d {
             let mut p = vec![vec![0.3]; d];
             p[k] = vec![f32::NAN];
-            assert!(values(&*noise, &p)[0].is_nan(), "{kind:?} {d}-D coordinate {k}");
+            assert!(values(&*noise, &p)[0].is_nan(), "{kind:?} {d}-D {params:?} by coordinate {k}");
             assert!(
                 slopes(&*noise, &p).iter().any(|s| s[0].is_nan()),
                 "{kind:?} {d}-D slope by coordinate {k}"
@@ -156,12 +182,19 @@ fn not_a_number_gives_not_a_number() {
 
 #[test]
 fn huge_coordinates_are_harmless() {
-    for (kind, d) in cases() {
-        let noise = field(kind, d, &Params::default());
-        let [least, most] = kind.bounds(d);
+    for (kind, d, params) in variants() {
+        let noise = field(kind, d, &params);
+        // Other words may have other bounds.
+        let [least, most] = match params.given().next() {
+            None => kind.bounds(d),
+            Some(_) => [f32::MIN, f32::MAX],
+        };
         for x in [8_388_609.0, -8_388_609.0, 1e20, -1e20, f32::MAX, f32::MIN] {
             let value = values(&*noise, &vec![vec![x]; d])[0];
-            assert!(value.is_nan() || (least..=most).contains(&value), "{kind:?} {d}-D at {x}: {value}");
+            assert!(
+                value.is_nan() || (least..=most).contains(&value),
+                "{kind:?} {d}-D {params:?} at {x}: {value}"
+            );
         }
         for x in [f32::INFINITY, f32::NEG_INFINITY] {
             // Nothing is promised, but that it ends.
@@ -172,29 +205,22 @@ fn huge_coordinates_are_harmless() {
 
 #[test]
 fn periods_repeat() {
-    for (kind, d) in cases().filter(|(kind, _)| kind.options.contains(&Opt::Period)) {
+    for (kind, d, params) in variants().filter(|(kind, ..)| kind.options.contains(&Opt::Period)) {
         let period = &[3.0, 5.0, 4.0, 7.0][..d];
-        let noise = field(kind, d, &Params::default().with(Opt::Period, period));
+        let noise = field(kind, d, &params.clone().with(Opt::Period, period));
         // Multiples of 1/16 are exact, here and a few periods away.
         let here = Random::new(24).points(d, 2000, 50.0, 1.0 / 16.0);
         for k in 0..d {
             for times in [1.0, -3.0, 20.0] {
                 let mut there = here.clone();
                 there[k].iter_mut().for_each(|x| *x += times * period[k]);
-                assert_eq!(
-                    values(&*noise, &here),
-                    values(&*noise, &there),
-                    "{kind:?} {d}-D axis {k} by {times}"
-                );
-                assert_eq!(
-                    slopes(&*noise, &here),
-                    slopes(&*noise, &there),
-                    "{kind:?} {d}-D axis {k} by {times}"
-                );
+                let shown = || format!("{kind:?} {d}-D {params:?} axis {k} by {times}");
+                assert!(values(&*noise, &here) == values(&*noise, &there), "{}", shown());
+                assert!(slopes(&*noise, &here) == slopes(&*noise, &there), "slope of {}", shown());
             }
         }
         // It is a noise within, and not another's copy.
-        let plain = field(kind, d, &Params::default());
-        assert_ne!(values(&*noise, &here), values(&*plain, &here), "{kind:?} {d}-D");
+        let plain = field(kind, d, &params);
+        assert!(values(&*noise, &here) != values(&*plain, &here), "{kind:?} {d}-D {params:?}");
     }
 }

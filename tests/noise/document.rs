@@ -61,6 +61,7 @@ fn replace(document: &str, mark: &str, text: &str) -> String {
 fn the_document_is_up_to_date() {
     let written = std::fs::read_to_string(PATH).expect("docs/noise.md");
     let made = replace(&written, "measured", &table());
+    let made = replace(&made, "options", &pse::noise::reference::options());
     let made = replace(&made, "kinds", &pse::noise::reference::markdown());
     if std::env::var_os("UPDATE").is_some() {
         std::fs::write(PATH, &made).expect("docs/noise.md can be written");
