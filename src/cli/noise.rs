@@ -19,8 +19,11 @@ Examples:
   pse noise                                   the kinds, a line each
   pse noise --list wiener                     all that is known of one
   pse noise -o sheet.png                      the look and the spectra of all kinds
-  pse noise gradient value turbulence:gradient fractalsum:gradient -o peachey.png
-  pse noise sparse_convolution,density=1 sparse_convolution,kernel=gabor -o lewis.png
+  pse noise value gradient value_gradient hermite lattice_convolution sparse_convolution
+                                              Peachey's figures 2.35 to 2.37, into noise.png
+  pse noise fractalsum:gradient turbulence:gradient    his figures 2.38 and 2.39
+  pse noise sparse_convolution sparse_convolution,density=1 sparse_convolution,kernel=gabor
+                                              as figure 5 of Lewis
   pse noise wiener --set covariance=oscillatory --set period=8 --seed 3
 
 A row of the sheet shows, of one noise: a plane section through the solid (grey, from 2.5 deviations below the mean to \

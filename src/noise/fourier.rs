@@ -165,7 +165,8 @@ mod tests {
             octave.0 += wave.square() * libm::pow(f, beta) / 2.0;
             octave.1 += 1.0;
         }
-        for (octave, (power, waves)) in octaves.iter().enumerate().filter(|(_, o)| o.1 > 0.0) {
+        // The power of a few waves can be anything.
+        for (octave, (power, waves)) in octaves.iter().enumerate().filter(|(_, o)| o.1 >= 16.0) {
             // They come in pairs.
             let tolerance = 4.0 * libm::sqrt(2.0 / waves);
             let mean = power / waves;
@@ -200,7 +201,7 @@ mod tests {
         let p = points::<3>(2);
         let got = [noise::<1>(&Params::default(), &p[..1]), noise::<2>(&Params::seeded(1), &p[..2])].concat();
         let got = [got, noise::<3>(&Params::default(), &p)].concat();
-        let known = [0x3e8302e8, 0xbe9a90f1, 0x3d837ca3, 0x3e5c326a, 0x3e909243, 0xbd20269c];
+        let known = [0x3e8302e8, 0xbe9a90f1, 0xbe9a647e, 0xbd014718, 0x3e909243, 0xbd20269c];
         let bits: Vec<u32> = got.iter().map(|v| v.to_bits()).collect();
         assert_eq!(bits, known, "{got:?}");
     }

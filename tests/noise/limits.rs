@@ -71,14 +71,14 @@ const LONG_WAVES: &[(Rule, &str)] = &[
 pub static EXPECTED: [Limits; 17] = [
     Limits { below: [0.15, 0.45], band: [0.48, 1.0], above: [0.0, 0.03], ..free("perlin1985") },
     Limits { below: [0.0, 0.26], band: [0.58, 1.0], above: [0.0, 0.03], ..free("gradient") },
-    free("improved"),
+    Limits { below: [0.0, 0.26], band: [0.55, 1.0], above: [0.0, 0.04], ..free("improved") },
     Limits { below: [0.33, 0.5], above: [0.0, 0.005], ..free("value") },
-    free("value_gradient"),
+    Limits { above: [0.0, 0.01], ..free("value_gradient") },
     Limits { above: [0.0, 0.03], ..free("hermite") },
     Limits { above: [0.0, 0.005], ..free("lattice_convolution") },
     Limits { above: [0.0, 0.005], ..free("sparse_convolution") },
     // Each cell has neighbours of its own, and a step to the next where those are too few.
-    Limits { steps: [0.02, 0.3, 0.15], ..free("wiener") },
+    Limits { above: [0.0, 0.005], steps: [0.02, 0.3, 0.15], ..free("wiener") },
     Limits {
         but: &[
             (Rule::Seamless, "each cell has a value of its own"),
@@ -89,8 +89,13 @@ pub static EXPECTED: [Limits; 17] = [
     },
     Limits { but: &[(Rule::Turned, "it is made of noises along the axes")], ..free("composed") },
     free("gardner"),
-    Limits { but: LONG_WAVES, ..free("fourier") },
-    Limits { but: &[LONG_WAVES[0], LONG_WAVES[1]], ..free("midpoint") },
+    Limits { below: [0.8, 1.0], above: [0.0, 0.005], but: LONG_WAVES, ..free("fourier") },
+    Limits {
+        below: [0.8, 1.0],
+        above: [0.0, 0.01],
+        but: &[LONG_WAVES[0], LONG_WAVES[1]],
+        ..free("midpoint")
+    },
     free("simplex"),
     Limits {
         but: &[

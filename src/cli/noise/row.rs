@@ -132,8 +132,10 @@ fn fields(
         let scaled: Vec<f32> = period.iter().map(|p| p * (1 << i) as f32).collect();
         kind.field(dimensions, &params.clone().with(Opt::Period, &scaled))
     };
-    // So many as a sheet shows.
-    (0..6).map(octave).collect()
+    let mut fields = vec![octave(0)?];
+    // So many as a sheet shows; with a very long period fewer, of which the last stands for those that follow.
+    fields.extend((1..6).map_while(|i| octave(i).ok()));
+    Ok(fields)
 }
 
 fn form(name: &str) -> Result<(Form, f32), Failure> {

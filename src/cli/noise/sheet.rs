@@ -240,13 +240,16 @@ fn spectrum(canvas: &mut Canvas, area: Area, curve: &Curve, decades: Option<u8>)
     }
     for (i, &mark) in marks.iter().enumerate() {
         rule(canvas, [[x(mark), top], [x(mark), bottom]], false);
-        // Not into the panel beside.
         let anchor = match i {
+            // Not into the panel beside.
             0 => Anchor::Left,
             i if i + 1 == marks.len() => Anchor::Right,
             _ => Anchor::Middle,
         };
-        canvas.text(&format!("{mark}"), anchor, [x(mark), bottom + 14.0], WORDS - 2.0, SOFT);
+        // Octaves are too narrow for a number each.
+        if !logarithmic || i % 2 == 0 {
+            canvas.text(&format!("{mark}"), anchor, [x(mark), bottom + 14.0], WORDS - 2.0, SOFT);
+        }
     }
     if logarithmic {
         for i in 0..decades.unwrap_or(0) {
