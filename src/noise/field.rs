@@ -117,8 +117,8 @@ impl<A: Pointwise<D>, const D: usize> Kernel for Derivatives<'_, '_, A, D> {
             let mut gradients = [[0.0; TILE]; D];
             for i in 0..work {
                 let jet = self.algorithm.jet(std::array::from_fn(|k| p[k][i]));
-                for k in 0..D {
-                    gradients[k][i] = jet.gradient[k];
+                for (gradients, gradient) in gradients.iter_mut().zip(jet.gradient) {
+                    gradients[i] = gradient;
                 }
             }
             for (out, gradient) in self.out.iter_mut().zip(&gradients) {

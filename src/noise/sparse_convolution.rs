@@ -117,7 +117,7 @@ fn curve(knots: &[f32]) -> Result<Curve, Unfit> {
     if !(2..=STEPS + 1).contains(&knots.len()) {
         return unfit(format!("knots must be from 2 to {} values, found {}", STEPS + 1, knots.len()));
     }
-    if let Some(x) = knots.iter().find(|x| !(x.abs() <= 1e6)) {
+    if let Some(x) = knots.iter().find(|x| x.is_nan() || x.abs() > 1e6) {
         return unfit(format!("knots must be from -1000000 to 1000000, found {x}"));
     }
     match *knots {

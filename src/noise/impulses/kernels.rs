@@ -78,7 +78,7 @@ pub(in crate::noise) struct Bell<const N: usize> {
 const COSINE: [f32; 3] = [0.785_697_7, 0.195_005_27, 0.019_297_069];
 /// A Gaussian whose standard deviation is a third of the radius, times a window, (1 - r⁸)²: fit with error 1.4e-5.
 const GAUSSIAN: [f32; 6] =
-    [0.427_712_98, 0.246_178_97, 0.360_033_72, -0.537_439_94, 0.620_821_77, -0.117_307_46];
+    [0.427_712_98, 0.246_178_97, 0.360_033_72, -0.537_439_94, 0.620_821_8, -0.117_307_46];
 /// The radius of the latter in standard deviations.
 pub(in crate::noise) const GAUSSIAN_RADIUS: f64 = 3.0;
 

@@ -113,7 +113,7 @@ impl<const D: usize> Kernel for Locate<'_, '_, D> {
                 low[k][i] = q.floor();
                 // Counted in cells a finite coordinate may be infinite.
                 within[k][i] = if low[k][i] == q { 0.0 } else { q - low[k][i] };
-                poison[i] += p[k][i] - p[k][i];
+                poison[i] += p[k][i] * 0.0;
             }
         }
         (tile.work, tile.poison, tile.within, tile.runs) = (work, poison, within, 0);
