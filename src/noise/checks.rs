@@ -93,16 +93,55 @@ pub fn catmull_rom(x: f64) -> f64 {
     }
 }
 
+/// The random value, in -1 … 1, and gradient, of length 1, of a lattice point of the noises of linear functions.
+pub fn plane_at(seed: u32, point: &[f64]) -> (f64, Vec<f64>) {
+    let lattice = Lattice::<Endless, 4>::new(seed, Endless);
+    let key = |axis: usize| {
+        let whole = hash::whole(point.get(axis).copied().unwrap_or(0.0) as f32);
+        hash::key(whole, axis).wrapping_add(lattice.seed(axis))
+    };
+    let last = if point.len() == 4 { key(2) ^ key(3) } else { key(2) };
+    let hash = hash::column(key(0) ^ key(1)).wrapping_mul(hash::stack(last));
+    let further = hash::FURTHER.map(|factor| hash.wrapping_mul(factor));
+    let circle = |bits: u32, square: f64| {
+        let (sign, t) = (if bits >> 31 == 1 { -1.0 } else { 1.0 }, value_of(bits << 1));
+        let (u, radius) = (t * t, sign * square.sqrt());
+        let cos = (0.943_246_5 - u) * (7.601_169 - u) * 0.139_467_81;
+        [radius * cos, radius * t * (2.835_302_8 - u) * 0.544_176_06]
+    };
+    let first = value_of(hash);
+    let gradient = if point.len() == 4 {
+        let share = 0.5 * (first + 1.0);
+        [circle(further[0], share), circle(further[1], 1.0 - share)].concat()
+    } else {
+        let [y, z] = circle(further[0], 1.0 - first * first);
+        [first, y, z][..point.len()].to_vec()
+    };
+    (value_of(further[2]), gradient)
+}
+
 /// A noise is the sum over lattice points, of what a kernel makes of the point's hash and the offset from it:
 /// so it is for all points, up to rounding, and its derivative too.
 pub fn is_sum_over_lattice(kind: &'static Kind, params: &Params, kernel: impl Fn(u32, &[f64]) -> f64) {
+    is_sum(kind, params, |at, offset| kernel(hash_at(params.seed, at), offset));
+}
+
+/// The like, of what a kernel makes of [`plane_at`] and the offset.
+pub fn is_sum_over_planes(kind: &'static Kind, params: &Params, kernel: impl Fn(f64, &[f64], &[f64]) -> f64) {
+    is_sum(kind, params, |at, offset| {
+        let (value, gradient) = plane_at(params.seed, at);
+        kernel(value, &gradient, offset)
+    });
+}
+
+fn is_sum(kind: &'static Kind, params: &Params, kernel: impl Fn(&[f64], &[f64]) -> f64) {
     is(kind, params, |p| {
         let mut sum = 0.0;
         for number in 0..1 << (2 * p.len()) {
             let at: Vec<f64> =
                 (0..p.len()).map(|k| p[k].floor() + f64::from(number >> (2 * k) & 3) - 1.0).collect();
             let offset: Vec<f64> = (0..p.len()).map(|k| p[k] - at[k]).collect();
-            sum += kernel(hash_at(params.seed, &at), &offset);
+            sum += kernel(&at, &offset);
         }
         sum
     });

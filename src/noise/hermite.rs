@@ -15,10 +15,9 @@
 //! That does not depend on the order of the axes. It is Perlin's noise of 1985 but for the offsets u, which
 //! are t and t - 1 there.
 
-use super::direction::{LENGTH, along};
-use super::hash::more;
 use super::kind::{Contract, Kind, Smoothness};
-use super::lattice::{Linear, Planes, lattice_field};
+use super::lattice::lattice_field;
+use super::linear::{Linear, Planes, Tiled};
 use super::options::Opt;
 
 /// Hermite noise.
@@ -41,56 +40,53 @@ pub static KIND: Kind = Kind {
                   of the gradients across an axis are not interpolated linearly, which would make the slope \
                   jump from cell to cell. Of four million points all were within ±1.2.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Hermite, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], Tiled |lattice| Linear::<Hermite, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]
 struct Hermite;
 
-/// Values are even in -VALUE … VALUE, gradients being of length 1: that is as long, in the mean square, as if
-/// each of three components were even in -1 … 1.
-const VALUE: f32 = 1.0;
-
 impl Planes for Hermite {
-    const SCALE: f32 = 1.0 / LENGTH;
+    const SCALE: f32 = 1.0;
+    /// As much as gradients of length 1 are in the mean square, if each of three components were even in -1 … 1.
+    const VALUE: f32 = 1.0;
+    const STRETCHES: bool = true;
 
     #[inline(always)]
-    fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32 {
-        const UNIT: f32 = VALUE * LENGTH / (1_u32 << 31) as f32;
-        more(hash) as i32 as f32 * UNIT + along(hash, offset)
+    fn offsets(t: f32, unit: f32) -> [f32; 2] {
+        [t * (unit / (1.0 + 2.0 * t)), (t - 1.0) * (unit / (3.0 - 2.0 * t))]
     }
 
     #[inline(always)]
-    fn offsets(t: f32) -> ([f32; 2], [f32; 2]) {
+    fn stretches(t: f32) -> [f32; 2] {
         let (lower, upper) = (1.0 / (1.0 + 2.0 * t), 1.0 / (3.0 - 2.0 * t));
-        ([t * lower, (t - 1.0) * upper], [lower * lower, upper * upper])
+        [lower * lower, upper * upper]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::checks::*;
-    use super::{KIND, more};
+    use super::KIND;
     use crate::noise::Params;
 
     #[test]
     fn as_usual() {
         usual(&KIND, &Params::seeded(3));
-        assert_eq!(pinned(&KIND, &Params::default()), [0xbe60_c4ba, 0xbe7d_840f, 0x3e0f_2121, 0xba93_1710]);
+        assert_eq!(pinned(&KIND, &Params::default()), [0xbec2_7ec0, 0xbe50_68b2, 0xbca7_eed8, 0x3eb7_dbe4]);
     }
 
     #[test]
     fn it_is_what_the_formula_says() {
         // The cubic whose slope is 1 at a lattice point, and value and slope 0 at its neighbours.
         let slope = |x: f64| if x.abs() < 1.0 { x * (1.0 - x.abs()) * (1.0 - x.abs()) } else { 0.0 };
-        is_sum_over_lattice(&KIND, &Params::seeded(9), |hash, offset| {
-            let gradient = gradient_of(hash, offset.len());
+        is_sum_over_planes(&KIND, &Params::seeded(9), |value, gradient, offset| {
             let product = |axis: usize| -> f64 {
                 let along = |k: usize| if k == axis { slope(offset[k]) } else { cubic(offset[k]) };
                 (0..offset.len()).map(along).product()
             };
             let sloping: f64 = gradient.iter().enumerate().map(|(k, g)| g * product(k)).sum();
-            value_of(more(hash)) * product(usize::MAX) + sloping
+            value * product(usize::MAX) + sloping
         });
     }
 
@@ -101,9 +97,9 @@ mod tests {
         let (values, slopes) =
             (noise(&KIND, &Params::seeded(5), &p), derivative(&KIND, &Params::seeded(5), &p));
         for i in 0..100 {
-            let hash = hash_at(5, &[0, 1, 2].map(|k: usize| f64::from(p[k][i])));
-            assert_eq!(values[i], value_of(more(hash)) as f32);
-            for (slope, known) in slopes.iter().zip(gradient_of(hash, 3)) {
+            let (value, gradient) = plane_at(5, &[0, 1, 2].map(|k: usize| f64::from(p[k][i])));
+            assert!((f64::from(values[i]) - value).abs() < 1e-6);
+            for (slope, known) in slopes.iter().zip(gradient) {
                 assert!((f64::from(slope[i]) - known).abs() < 1e-6);
             }
         }

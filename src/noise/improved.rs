@@ -5,9 +5,9 @@
 //! shows no lattice. (With cubic weights they jump at the faces.) What the paper changes in the gradients is
 //! not taken over, as the remarks say.
 
-use super::direction::{LENGTH, along};
 use super::kind::{Contract, Kind, Smoothness};
-use super::lattice::{Linear, Planes, lattice_field};
+use super::lattice::lattice_field;
+use super::linear::{Linear, Planes, Tiled};
 use super::options::Opt;
 
 /// Improved noise, 2002.
@@ -32,19 +32,15 @@ pub static KIND: Kind = Kind {
                   `gradient`, 2.7 %, lies above one cycle a unit: the price of steeper weights. Of four \
                   million points all were within ±0.82.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Improved, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], Tiled |lattice| Linear::<Improved, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]
 struct Improved;
 
 impl Planes for Improved {
-    const SCALE: f32 = 1.2 / LENGTH;
-
-    #[inline(always)]
-    fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32 {
-        along(hash, offset)
-    }
+    const SCALE: f32 = 1.2;
+    const VALUE: f32 = 0.0;
 
     #[inline(always)]
     fn weight(t: f32) -> (f32, f32) {
@@ -62,7 +58,7 @@ mod tests {
     #[test]
     fn as_usual() {
         usual(&KIND, &Params::seeded(3));
-        assert_eq!(pinned(&KIND, &Params::default()), [0x3ec1_424c, 0xbd6e_346c, 0xbedf_15e9, 0x3eae_8e8a]);
+        assert_eq!(pinned(&KIND, &Params::default()), [0xbda4_63c2, 0x3efb_6ac9, 0xbe9c_0b0e, 0x3e4a_8a58]);
     }
 
     #[test]
@@ -71,8 +67,7 @@ mod tests {
             let t = 1.0 - x.abs();
             if t > 0.0 { t * t * t * (10.0 - 15.0 * t + 6.0 * t * t) } else { 0.0 }
         };
-        is_sum_over_lattice(&KIND, &Params::seeded(9), |hash, offset| {
-            let gradient = gradient_of(hash, offset.len());
+        is_sum_over_planes(&KIND, &Params::seeded(9), |_, gradient, offset| {
             let height: f64 = gradient.iter().zip(offset).map(|(g, x)| g * x).sum();
             1.2 * height * offset.iter().map(|&x| weight(x)).product::<f64>()
         });

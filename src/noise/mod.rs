@@ -48,6 +48,7 @@ mod kind;
 mod kinds;
 mod lattice;
 mod lattice_convolution;
+mod linear;
 mod midpoint;
 mod options;
 mod perlin1985;
