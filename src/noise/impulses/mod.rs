@@ -17,19 +17,19 @@ mod tile;
 mod waves;
 
 pub(super) use kernels::{
-    Bell, CatmullRom, Curve, GAUSSIAN_RADIUS, Gabor, Profile, STEPS, integral, mean_cosine,
+    Bell, CatmullRom, Curve, GAUSSIAN_RADIUS, Gabor, Profile, Radial, STEPS, integral, mean_cosine,
 };
 pub(super) use waves::Waves;
 
-use super::field::{Field, TILE, coordinates, tiles};
+use super::field::{Field, coordinates, tiles};
 use super::hash;
 use super::kind::Unfit;
 use super::lattice::{Endless, Lattice, Periodic};
 use super::options::{Opt, Params};
 use crate::lanes::Isa;
 use std::sync::Arc;
-use sum::{Add, Sums};
-use tile::{BLOCK, GROUP, Tile};
+use sum::{Add, Called, Fused, Part, Sums};
+use tile::{BLOCK, GROUP, ROW, Tile};
 
 /// Offsets from impulses are in these parts of a cell's side.
 pub(super) const UNIT: f32 = 1.0 / (1_u64 << 32) as f32;
@@ -68,10 +68,15 @@ impl Layout {
         (self.radius / self.side()).ceil() as usize
     }
 
+    /// Whether the cells are large enough for the kernel.
+    pub(super) fn reaches(&self) -> bool {
+        (1..=REACH).contains(&self.reach())
+    }
+
     /// Whether it can be summed.
     pub(super) fn fits(&self, dimensions: usize) -> bool {
         let mean = self.density * libm::pow(self.side(), dimensions as f64);
-        (1..=REACH).contains(&self.reach()) && (LEAST..=CROWD).contains(&mean)
+        self.reaches() && (LEAST as f32..=CROWD as f32).contains(&(mean as f32))
     }
 }
 
@@ -87,11 +92,11 @@ struct Slot<const D: usize> {
     word: u32,
 }
 
-/// A cell near a point's own: where it is among the coordinates -reach … reach.
-type Near<const D: usize> = [u8; D];
+/// A cell near a point's own: along each axis where its row begins in [`Tile::seen`].
+type Near<const D: usize> = [u16; D];
 
-/// Where impulses are.
-struct Lookout<const D: usize> {
+/// A Poisson process: where impulses are.
+struct Process<const D: usize> {
     lattice: Lattice<Endless, D>,
     periodic: Option<Lattice<Periodic<D>, D>>,
     /// Cells a unit.
@@ -101,28 +106,97 @@ struct Lookout<const D: usize> {
     near: Vec<Near<D>>,
     /// The middles of those cells, as seen from the lower corner of that one, block by block.
     middles: Vec<[[f32; BLOCK]; D]>,
-    /// The impulses of a cell: those for which every lane looks, so many, and those for which it first asks.
+    /// The impulses of a cell: so many for which every lane looks, and those for which it first asks.
     slots: Vec<Slot<D>>,
     always: usize,
     /// The square of the distance, in [`UNIT`]s, beyond which impulses surely add nothing.
     far: f32,
-    /// The waves about them.
-    waves: Option<Waves<D>>,
 }
 
-impl<const D: usize> Lookout<D> {
+impl<const D: usize> Process<D> {
+    fn new(layout: &Layout, params: &Params) -> Result<Process<D>, Unfit> {
+        assert!(layout.fits(D), "{layout:?}");
+        let (side, reach) = (layout.side(), layout.reach());
+        let span = 2 * reach + 1;
+        let all = (0..span.pow(D as u32))
+            .map(|i| -> [usize; D] { std::array::from_fn(|k| i / span.pow(k as u32) % span) });
+        // The distance from one cell to another must be less than the radius.
+        let near: Vec<[usize; D]> = all
+            .filter(|near| {
+                let gap = near.map(|at| side * at.abs_diff(reach).saturating_sub(1) as f64);
+                gap.iter().map(|x| x * x).sum::<f64>() < layout.radius * layout.radius
+            })
+            .collect();
+        let middle = |at: usize| (at as f32 - reach as f32 + 0.5) * (1.0 / UNIT);
+        let middles = near.chunks(BLOCK).map(|block| -> [[f32; BLOCK]; D] {
+            std::array::from_fn(|k| {
+                std::array::from_fn(|cell| block.get(cell).map_or(0.0, |near| middle(near[k])))
+            })
+        });
+        let mean = layout.density * libm::pow(side, D as f64);
+        let slots = slots(mean);
+        Ok(Process {
+            lattice: Lattice::new(params.seed, Endless),
+            periodic: params.period::<D>()?.map(|period| {
+                Lattice::new(params.seed, Periodic(period.map(|p| (f64::from(p) / side) as f32)))
+            }),
+            cells: (1.0 / side) as f32,
+            reach,
+            middles: middles.collect(),
+            near: near.iter().map(|near| near.map(|at| (at * ROW) as u16)).collect(),
+            always: always(mean).min(slots.len()),
+            slots,
+            far: (libm::pow(layout.radius / side / f64::from(UNIT), 2.0) * 1.0001) as f32,
+        })
+    }
+
     /// A block of the cells that are near.
     #[inline(always)]
     fn block(&self, block: usize) -> &[Near<D>] {
         let near = &self.near[block * BLOCK..];
         &near[..near.len().min(BLOCK)]
     }
+
+    /// The sums of all lanes, times `scale`.
+    ///
+    /// # Panics
+    /// If there are not as many coordinates, or if lengths differ.
+    fn sum<P: Part<D, N, SLOPE>, const N: usize, const SLOPE: bool>(
+        &self,
+        isa: Isa,
+        what: P,
+        scale: f32,
+        p: &[&[f32]],
+        out: [&mut [f32]; N],
+    ) {
+        let p = &coordinates::<D>(p);
+        let lanes = p[0].len();
+        let same = |length: usize| length == lanes;
+        assert!(
+            p.iter().all(|p| same(p.len())) && out.iter().all(|out| same(out.len())),
+            "lanes of different lengths"
+        );
+        let mut tile = Tile::new();
+        for (start, end) in tiles(lanes) {
+            tile::locate(isa, self, &mut tile, p, start, end);
+            let mut sums: Sums<N> = [[0.0; ROW]; N];
+            for block in 0..self.middles.len() {
+                tile::look_up(isa, self, &mut tile, block);
+                isa.run(Add { isa, process: self, what, tile: &tile, block, sums: &mut sums });
+            }
+            for n in 0..N {
+                for (i, out) in out[n][start..end].iter_mut().enumerate() {
+                    *out = sums[n][i] * scale + tile.poison[i];
+                }
+            }
+        }
+    }
 }
 
 /// A noise of impulses.
-struct Impulses<const D: usize> {
-    profile: Box<dyn Profile>,
-    lookout: Lookout<D>,
+struct Impulses<K, const D: usize> {
+    kernel: K,
+    process: Process<D>,
     /// What sums are multiplied by.
     scale: f32,
 }
@@ -137,41 +211,21 @@ pub(super) fn field<const D: usize>(
     layout: &Layout,
     params: &Params,
 ) -> Result<Arc<dyn Field>, Unfit> {
-    assert!(layout.fits(D), "{layout:?}");
-    let (side, reach) = (layout.side(), layout.reach());
-    let span = 2 * reach + 1;
-    let all = (0..span.pow(D as u32))
-        .map(|i| -> Near<D> { std::array::from_fn(|k| (i / span.pow(k as u32) % span) as u8) });
-    // The distance from one cell to another must be less than the radius.
-    let near = all.filter(|near| {
-        let gap = near.map(|at| side * usize::from(at).abs_diff(reach).saturating_sub(1) as f64);
-        gap.iter().map(|x| x * x).sum::<f64>() < layout.radius * layout.radius
-    });
-    let near: Vec<Near<D>> = near.collect();
-    let middle = |at: u8| (f32::from(at) - reach as f32 + 0.5) * (1.0 / UNIT);
-    let middles = near.chunks(BLOCK).map(|block| -> [[f32; BLOCK]; D] {
-        std::array::from_fn(|k| {
-            std::array::from_fn(|cell| block.get(cell).map_or(0.0, |near| middle(near[k])))
-        })
-    });
-    let mean = layout.density * libm::pow(side, D as f64);
-    let slots = slots(mean);
-    let lookout = Lookout {
-        lattice: Lattice::new(params.seed, Endless),
-        periodic: params
-            .period::<D>()?
-            .map(|period| Lattice::new(params.seed, Periodic(period.map(|p| (f64::from(p) / side) as f32)))),
-        cells: (1.0 / side) as f32,
-        reach,
-        middles: middles.collect(),
-        near,
-        always: always_looked_for(mean).min(slots.len()),
-        slots,
-        far: (libm::pow(layout.radius / side / f64::from(UNIT), 2.0) * 1.0001) as f32,
-        waves,
-    };
-    let scale = (layout.scale * f64::from(SIZE)) as f32;
-    Ok(Arc::new(Impulses { profile, lookout, scale }))
+    let (process, scale) = (Process::<D>::new(layout, params)?, layout.scale as f32 * SIZE);
+    Ok(Arc::new(Impulses { kernel: Any { profile, waves }, process, scale }))
+}
+
+/// The same, faster, of a kernel that is compiled into the loops; which makes them larger.
+///
+/// # Panics
+/// If the layout does not fit.
+pub(super) fn fused_field<R: Radial, const D: usize>(
+    kernel: R,
+    layout: &Layout,
+    params: &Params,
+) -> Result<Arc<dyn Field>, Unfit> {
+    let (process, scale) = (Process::<D>::new(layout, params)?, layout.scale as f32 * SIZE);
+    Ok(Arc::new(Impulses { kernel: Fused(kernel), process, scale }))
 }
 
 /// The impulses that a cell may have.
@@ -186,7 +240,8 @@ fn slots<const D: usize>(mean: f64) -> Vec<Slot<D>> {
         if above >= f64::from(i32::MAX) {
             break;
         }
-        let factor = |i: u32| hash::mix(8 * k + i + 1) | 1;
+        // Odd numbers without simple relations.
+        let factor = |i: u32| hash::seed(8 * k + i) | 1;
         slots.push(Slot {
             above: above as i32,
             place: std::array::from_fn(|i| factor(i as u32)),
@@ -198,12 +253,9 @@ fn slots<const D: usize>(mean: f64) -> Vec<Slot<D>> {
 }
 
 /// How many of a cell's impulses it is best to look for without asking whether there are any.
-fn always_looked_for(mean: f64) -> usize {
-    if let Ok(k) = std::env::var("FIRST") {
-        return k.parse().unwrap();
-    }
+fn always(mean: f64) -> usize {
     // One that is asked for, if any lane of a group has it, costs so many times more.
-    const DEARER: f64 = 1.8;
+    const DEARER: f64 = 2.5;
     let (mut share, mut most) = (libm::exp(-mean), 0.0);
     let mut asked = [0.0; MOST];
     for (k, asked) in asked.iter_mut().enumerate() {
@@ -215,54 +267,48 @@ fn always_looked_for(mean: f64) -> usize {
     (0..MOST).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
 }
 
-impl<const D: usize> Impulses<D> {
-    /// The sums of all lanes, times `scale`.
-    fn sum<const N: usize, const SLOPE: bool, const WAVES: bool>(
-        &self,
-        isa: Isa,
-        scale: f32,
-        p: &[&[f32]],
-        out: [&mut [f32]; N],
-    ) {
-        let (noise, profile, p) = (&self.lookout, &*self.profile, &coordinates::<D>(p));
-        let mut tile = Tile::new();
-        for (start, end) in tiles(p[0].len()) {
-            tile::locate(isa, noise, &mut tile, p, start, end);
-            let mut sums: Sums<N> = [[0.0; TILE + GROUP]; N];
-            for block in 0..noise.middles.len() {
-                tile::look_up(isa, noise, &mut tile, block);
-                let (tile, sums) = (&tile, &mut sums);
-                isa.run(Add::<_, _, SLOPE, WAVES> { isa, noise, profile, tile, block, sums });
-            }
-            for n in 0..N {
-                for (i, out) in out[n][start..end].iter_mut().enumerate() {
-                    *out = sums[n][i] * scale + tile.poison[i];
-                }
-            }
-        }
+/// A kernel that is called.
+struct Any<const D: usize> {
+    profile: Box<dyn Profile>,
+    waves: Option<Waves<D>>,
+}
+
+impl<const D: usize> Impulses<Any<D>, D> {
+    fn called(&self) -> Called<'_, D> {
+        Called { profile: &*self.kernel.profile, waves: self.kernel.waves }
     }
 }
 
-impl<const D: usize> Field for Impulses<D> {
+impl<const D: usize> Field for Impulses<Any<D>, D> {
     fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
-        if self.lookout.waves.is_none() {
-            self.sum::<1, false, false>(isa, self.scale, p, [out]);
-        } else {
-            self.sum::<1, false, true>(isa, self.scale, p, [out]);
-        }
+        self.process.sum::<_, 1, false>(isa, self.called(), self.scale, p, [out]);
     }
 
     fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
-        assert_eq!(out.len(), D, "derivatives of {D} coordinates");
-        let mut planes = out.iter_mut();
-        let out: [&mut [f32]; D] = std::array::from_fn(|_| &mut **planes.next().expect("counted"));
-        let scale = self.scale * self.lookout.cells;
-        if self.lookout.waves.is_none() {
-            self.sum::<D, true, false>(isa, scale, p, out);
-        } else {
-            self.sum::<D, true, true>(isa, scale, p, out);
-        }
+        let (scale, out) = (self.scale * self.process.cells, outputs(out));
+        self.process.sum::<_, D, true>(isa, self.called(), scale, p, out);
     }
+}
+
+impl<R: Radial, const D: usize> Field for Impulses<Fused<R>, D> {
+    fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
+        self.process.sum::<_, 1, false>(isa, self.kernel, self.scale, p, [out]);
+    }
+
+    fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
+        let (scale, out) = (self.scale * self.process.cells, outputs(out));
+        self.process.sum::<_, D, true>(isa, self.kernel, scale, p, out);
+    }
+}
+
+/// As many outputs as coordinates.
+///
+/// # Panics
+/// If there are more or fewer.
+fn outputs<'a, const D: usize>(out: &'a mut [&mut [f32]]) -> [&'a mut [f32]; D] {
+    assert_eq!(out.len(), D, "derivatives of {D} coordinates");
+    let mut planes = out.iter_mut();
+    std::array::from_fn(|_| &mut **planes.next().expect("counted"))
 }
 
 /// The direction that is given, of length 1.
@@ -282,3 +328,6 @@ pub(super) fn direction<const D: usize>(params: &Params) -> Result<Option<[f64; 
         Err(Unfit::of(Opt::Direction, format!("direction must have a length, found {direction:?}")))
     }
 }
+
+#[cfg(test)]
+mod tests;

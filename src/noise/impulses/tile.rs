@@ -3,7 +3,7 @@
 // Loops over lanes and axes index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::{Lookout, MOST, REACH, UNIT};
+use super::{MOST, Near, Process, REACH, UNIT};
 use crate::lanes::{Isa, Kernel};
 use crate::noise::field::{TILE, load};
 use crate::noise::hash;
@@ -12,8 +12,10 @@ use crate::noise::hash;
 pub(super) const GROUP: usize = 8;
 /// Cells that are looked at together: a bit each of a word.
 pub(super) const BLOCK: usize = 32;
-/// More than the cells of a line that matter to a point, for a mask.
-pub(super) const SPAN: usize = (2 * REACH + 1).next_power_of_two();
+/// A row of lanes; those at the end are for groups that begin anywhere.
+pub(super) const ROW: usize = TILE + GROUP;
+/// The rows for the cells of a line that matter to a point.
+const ROWS: usize = (2 * REACH + 1) * ROW;
 /// If runs are of so many lanes on average, their impulses are found once.
 const LONG: usize = 3;
 
@@ -30,11 +32,10 @@ pub(super) struct Tile<const D: usize> {
     pub poison: Lanes<f32>,
     /// Where in its cell a point is, 0 … 1.
     within: [Lanes<f32>; D],
-    /// The points, as seen from the middles of the cells in a line about theirs, in [`UNIT`]s. The lanes at the end
-    /// are for groups that begin anywhere.
-    pub seen: [[[f32; TILE + GROUP]; SPAN]; D],
+    /// The points, as seen from the middles of the cells in a line about theirs, in [`UNIT`]s: a row a cell.
+    pub seen: [[f32; ROWS]; D],
     /// The hashes of the coordinates of those cells.
-    keys: [[Lanes<u32>; SPAN]; D],
+    keys: [[u32; ROWS]; D],
     /// The hashes of a block of cells.
     pub hashes: [Lanes<u32>; BLOCK],
     /// Which of those cells have impulses that are asked for.
@@ -56,8 +57,8 @@ impl<const D: usize> Tile<D> {
             work: 0,
             poison: [0.0; TILE],
             within: [[0.0; TILE]; D],
-            seen: [[[0.0; TILE + GROUP]; SPAN]; D],
-            keys: [[[0; TILE]; SPAN]; D],
+            seen: [[0.0; ROWS]; D],
+            keys: [[0; ROWS]; D],
             hashes: [[0; TILE]; BLOCK],
             more: [0; TILE],
             starts: [0; TILE + 1],
@@ -72,6 +73,15 @@ impl<const D: usize> Tile<D> {
         self.runs * LONG <= self.starts[self.runs]
     }
 
+    /// The points as seen from a cell.
+    #[inline(always)]
+    pub(super) fn rows(&self, near: &Near<D>) -> [&[f32; ROW]; D] {
+        std::array::from_fn(|k| {
+            let seen = &self.seen[k][usize::from(near[k])..];
+            seen[..ROW].try_into().expect("so many")
+        })
+    }
+
     /// How many sets of cells there are: of runs, or of lanes.
     #[inline(always)]
     fn sets(&self) -> usize {
@@ -83,17 +93,17 @@ impl<const D: usize> Tile<D> {
 #[inline(never)]
 pub(super) fn locate<const D: usize>(
     isa: Isa,
-    noise: &Lookout<D>,
+    process: &Process<D>,
     tile: &mut Tile<D>,
     p: &[&[f32]; D],
     start: usize,
     end: usize,
 ) {
-    isa.run(Locate { noise, tile, p, start, end });
+    isa.run(Locate { process, tile, p, start, end });
 }
 
 struct Locate<'a, 'b, const D: usize> {
-    noise: &'a Lookout<D>,
+    process: &'a Process<D>,
     tile: &'a mut Tile<D>,
     p: &'a [&'b [f32]; D],
     start: usize,
@@ -104,26 +114,31 @@ impl<const D: usize> Kernel for Locate<'_, '_, D> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Locate { noise, tile, p, start, end } = self;
+        let Locate { process, tile, p, start, end } = self;
         let (p, work) = load(p, start, end);
         let (mut low, mut within, mut poison) = ([[0.0; TILE]; D], [[0.0; TILE]; D], [0.0; TILE]);
         for i in 0..work {
             for k in 0..D {
-                let q = p[k][i] * noise.cells;
+                let q = p[k][i] * process.cells;
                 low[k][i] = q.floor();
                 // Counted in cells a finite coordinate may be infinite.
                 within[k][i] = if low[k][i] == q { 0.0 } else { q - low[k][i] };
                 poison[i] += p[k][i] * 0.0;
             }
         }
-        (tile.work, tile.poison, tile.within, tile.runs) = (work, poison, within, 0);
-        for i in 0..end - start {
-            // Overwritten if none starts here.
-            tile.starts[tile.runs % TILE] = i;
-            let same = i > 0 && (0..D).fold(true, |same, k| same & (low[k][i] == low[k][i - 1]));
-            tile.runs += usize::from(!same);
+        (tile.work, tile.poison, tile.within) = (work, poison, within);
+        let mut other = [1_u8; TILE];
+        for i in 1..work {
+            other[i] = 1 - (0..D).fold(1, |same, k| same & u8::from(low[k][i] == low[k][i - 1]));
         }
-        tile.starts[tile.runs] = end - start;
+        let mut runs = 0;
+        for i in 0..(end - start).min(TILE) {
+            // Overwritten if none starts here.
+            tile.starts[runs % TILE] = i;
+            runs += usize::from(other[i]);
+        }
+        tile.starts[runs.min(TILE)] = end - start;
+        tile.runs = runs;
         if tile.shared() {
             for (run, &start) in tile.starts[..tile.runs].iter().enumerate() {
                 for low in &mut low {
@@ -133,23 +148,23 @@ impl<const D: usize> Kernel for Locate<'_, '_, D> {
         }
         let sets = tile.sets();
         for k in 0..D {
-            for s in 0..2 * noise.reach + 1 {
-                let step = s as f32 - noise.reach as f32;
+            for s in 0..2 * process.reach + 1 {
+                let step = s as f32 - process.reach as f32;
                 let (mut seen, mut keys) = ([0.0; TILE], [0; TILE]);
                 for i in 0..work {
                     seen[i] = (within[k][i] - (step + 0.5)) * (1.0 / UNIT);
                 }
-                if let Some(lattice) = &noise.periodic {
+                if let Some(lattice) = &process.periodic {
                     for i in 0..sets {
                         keys[i] = lattice.key(k, low[k][i] + step);
                     }
                 } else {
                     for i in 0..sets {
-                        keys[i] = noise.lattice.key(k, low[k][i] + step);
+                        keys[i] = process.lattice.key(k, low[k][i] + step);
                     }
                 }
-                tile.seen[k][s % SPAN][..TILE].copy_from_slice(&seen);
-                tile.keys[k][s % SPAN] = keys;
+                tile.seen[k][s * ROW..][..TILE].copy_from_slice(&seen);
+                tile.keys[k][s * ROW..][..TILE].copy_from_slice(&keys);
             }
         }
     }
@@ -157,12 +172,12 @@ impl<const D: usize> Kernel for Locate<'_, '_, D> {
 
 /// Finds the hashes of a block of cells, and what there is in them.
 #[inline(never)]
-pub(super) fn look_up<const D: usize>(isa: Isa, noise: &Lookout<D>, tile: &mut Tile<D>, block: usize) {
-    isa.run(LookUp { noise, tile, block });
+pub(super) fn look_up<const D: usize>(isa: Isa, process: &Process<D>, tile: &mut Tile<D>, block: usize) {
+    isa.run(LookUp { process, tile, block });
 }
 
 struct LookUp<'a, const D: usize> {
-    noise: &'a Lookout<D>,
+    process: &'a Process<D>,
     tile: &'a mut Tile<D>,
     block: usize,
 }
@@ -171,14 +186,17 @@ impl<const D: usize> Kernel for LookUp<'_, D> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let LookUp { noise, tile, block } = self;
-        let above = noise.slots.get(noise.always).map_or(i32::MAX, |slot| slot.above);
+        let LookUp { process, tile, block } = self;
+        let above = process.slots.get(process.always).map_or(i32::MAX, |slot| slot.above);
         let sets = tile.sets().min(TILE);
-        tile.more = [0; TILE];
-        for (cell, near) in noise.block(block).iter().enumerate() {
-            let keys: [&Lanes<u32>; D] = std::array::from_fn(|k| &tile.keys[k][usize::from(near[k]) % SPAN]);
+        let mut more = [0; TILE];
+        for (cell, near) in process.block(block).iter().enumerate() {
+            let keys: [&[u32; TILE]; D] = std::array::from_fn(|k| {
+                let keys = &tile.keys[k][usize::from(near[k])..];
+                keys[..TILE].try_into().expect("so many")
+            });
             let bit = 1 << cell;
-            let (mut hashes, mut more) = ([0; TILE], tile.more);
+            let mut hashes = [0; TILE];
             for i in 0..sets {
                 let mut joined = keys[0][i];
                 for k in 1..D {
@@ -188,12 +206,12 @@ impl<const D: usize> Kernel for LookUp<'_, D> {
                 more[i] |= if hashes[i] as i32 > above { bit } else { 0 };
             }
             tile.hashes[cell % BLOCK] = hashes;
-            tile.more = more;
         }
+        tile.more = more;
         if tile.shared() {
             tile.list.clear();
             for run in 0..tile.runs {
-                list(noise, tile, block, run);
+                list(process, tile, block, run);
                 tile.ends[run] = tile.list.len();
             }
         }
@@ -202,16 +220,16 @@ impl<const D: usize> Kernel for LookUp<'_, D> {
 
 /// Lists the impulses of a block that may reach a point of a run, in the order in which lanes on their own add them.
 #[inline(always)]
-fn list<const D: usize>(noise: &Lookout<D>, tile: &mut Tile<D>, block: usize, run: usize) {
+fn list<const D: usize>(process: &Process<D>, tile: &mut Tile<D>, block: usize, run: usize) {
     let (from, to) = (tile.starts[run], tile.starts[run + 1]);
     let bounds = tile.within.map(|x| bounds(&x[from..to]));
-    let middles = &noise.middles[block];
+    let middles = &process.middles[block];
     // No cell beyond the block has impulses.
     let mut hash = [i32::MIN as u32; BLOCK];
-    for cell in 0..noise.block(block).len() {
+    for cell in 0..process.block(block).len() {
         hash[cell % BLOCK] = tile.hashes[cell % BLOCK][run];
     }
-    let (always, asked) = noise.slots.split_at(noise.always);
+    let (always, asked) = process.slots.split_at(process.always);
     for (s, slot) in always.iter().enumerate() {
         let mut close = [0_u32; BLOCK];
         for cell in 0..BLOCK {
@@ -223,7 +241,7 @@ fn list<const D: usize>(noise: &Lookout<D>, tile: &mut Tile<D>, block: usize, ru
                 let gap = if gap > 0.0 { gap } else { 0.0 };
                 square += gap * gap;
             }
-            close[cell] = u32::from((hash[cell] as i32 > slot.above) & (square < noise.far));
+            close[cell] = u32::from((hash[cell] as i32 > slot.above) & (square < process.far));
         }
         let (mut list, mut count) = ([0_u16; BLOCK], 0);
         for cell in 0..BLOCK {

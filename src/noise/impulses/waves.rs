@@ -4,11 +4,12 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::kernels::cosine;
-use super::sum::Batch;
+use super::sum::Found;
 use super::tile::GROUP;
 use super::{SIZE, UNIT};
-use crate::lanes::Kernel;
+use crate::lanes::{Isa, Kernel};
 use crate::noise::direction::{LENGTH, direction};
+use crate::noise::field::TILE;
 use crate::noise::hash;
 
 /// The waves of impulses, in cycles a [`UNIT`].
@@ -22,19 +23,24 @@ pub(in crate::noise) enum Waves<const D: usize> {
     Around(f32),
 }
 
-/// Finds the waves of a batch.
-pub(super) struct Turn<'a, const D: usize> {
-    pub waves: Waves<D>,
-    pub batch: &'a mut Batch<D>,
+/// Finds the waves of so many impulses. (Once for all kernels, hence not inlined.)
+#[inline(never)]
+pub(super) fn turn<const D: usize>(isa: Isa, waves: Waves<D>, found: &mut Found<D>, count: usize) {
+    isa.run(Turn { waves, found, count });
+}
+
+struct Turn<'a, const D: usize> {
+    waves: Waves<D>,
+    found: &'a mut Found<D>,
+    count: usize,
 }
 
 impl<const D: usize> Kernel for Turn<'_, D> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Turn { waves, batch } = self;
-        let Batch { count, alike, offsets, sizes, words, turns, waves: here, .. } = batch;
-        let len = (*count * GROUP).min(words.len());
+        let (waves, len) = (self.waves, self.count.min(TILE));
+        let Found { alike, offsets, sizes, words, turns, waves: here, .. } = self.found;
         match waves {
             Waves::Even(waves) | Waves::Along(waves) => {
                 for k in 0..D {
