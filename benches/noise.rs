@@ -8,14 +8,14 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pse::lanes::{Arg, Isa};
 use pse::math;
-use pse::noise::{KINDS, Params, white};
+use pse::noise::{KINDS, Params, random};
 
 const LANES: usize = 512;
 
 fn scattered(seed: u32) -> Vec<f32> {
     let mut points = vec![0.0; LANES];
     let lanes: Vec<f32> = (0..LANES).map(|i| i as f32).collect();
-    white::random(Isa::detect(), &[&lanes], seed, &mut points);
+    random::random(Isa::detect(), &[&lanes], seed, &mut points);
     points.iter_mut().for_each(|x| *x = *x * 200.0 - 100.0);
     points
 }
@@ -41,7 +41,7 @@ fn kernels(criterion: &mut Criterion) {
                 b.iter(|| field.derivative(isa, black_box(&p), &mut [&mut *dx, &mut *dy, &mut *dz]));
             });
         }
-        group.bench_function("white", |b| b.iter(|| white::random(isa, black_box(&p), 0, &mut out[0])));
+        group.bench_function("random", |b| b.iter(|| random::random(isa, black_box(&p), 0, &mut out[0])));
         group.finish();
     }
 }

@@ -10,6 +10,7 @@ pub mod host;
 pub mod image;
 pub mod lanes;
 pub mod math;
+pub mod measure;
 pub mod noise;
 mod program;
 pub mod reference;

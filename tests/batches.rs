@@ -274,7 +274,7 @@ fn runaway_programs_end_soon() {
         let error = program.run(&image, &RunOptions::default()).unwrap_err();
         assert!(error.diagnostics[0].message.contains(word), "{error}");
         // Far above what it takes, far below what a user would call hanging.
-        assert!(start.elapsed().as_secs() < 20, "{text} took {:?}", start.elapsed());
+        assert!(start.elapsed().as_secs() < 120, "{text} took {:?}", start.elapsed());
     }
 }
 

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/noise.rs"]
+mod noise;
 #[path = "cli/run.rs"]
 mod run;
 #[path = "cli/words.rs"]

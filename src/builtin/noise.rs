@@ -2,9 +2,9 @@
 
 use super::apply::each;
 use super::call::{Call, Fault};
-use super::noise_kind::{coordinates, field, fields, params_of, with_kind};
+use super::noise_kind::{coordinates, fault, field, fields, params_of, with_kind, with_options};
 use super::{Builtin, Kernel, Param, ex};
-use crate::noise::{Field, white};
+use crate::noise::{Field, OPTIONS, Opt, Params, random};
 use crate::shape::Shape;
 use crate::value::{Plane, Planes, Value};
 
@@ -81,12 +81,36 @@ fn random(call: &Call<'_>) -> Result<Value, Fault> {
         if !matches!(p.shape, Shape::Scalar | Shape::Vector(1..)) {
             return Err(Fault::of(0, format!("random takes a scalar or a vector, found {}", p.shape)));
         }
-        let [out] = call.planes(&p.planes, |p, [out]| white::random(call.isa, p, seed, out));
+        let [out] = call.planes(&p.planes, |p, [out]| random::random(call.isa, p, seed, out));
         Ok(Value::scalar(out))
     })
 }
 
+/// The options that the error of `wiener` noise depends on, as it takes them.
+const OF_ERROR: [Opt; 5] = [Opt::Covariance, Opt::Width, Opt::Frequency, Opt::Knots, Opt::Neighbours];
+
+fn wiener_error(call: &Call<'_>) -> Result<Value, Fault> {
+    each([&call.args[0]], &mut |[p]| {
+        let p = coordinates(p)?;
+        let params = with_options(call, Params::default(), 1, OF_ERROR.iter().map(|option| option.info()))?;
+        let arg = |option| 1 + OF_ERROR.iter().position(|o| *o == option).unwrap_or(0);
+        let field = crate::noise::wiener_error(p.len(), &params).map_err(|unfit| fault(unfit, arg))?;
+        Ok(Value::scalar(values(call, &*field, p)))
+    })
+}
+
 static PARAMS: [Param; params_of(1)] = with_kind([Param::new("p")]);
+
+static ERROR_PARAMS: [Param; 1 + OF_ERROR.len()] = {
+    let mut params = [Param::new("p"); 1 + OF_ERROR.len()];
+    let mut i = 0;
+    while i < OF_ERROR.len() {
+        let info = &OPTIONS[OF_ERROR[i] as usize];
+        params[1 + i] = Param { minor: i > 0, ..Param::option(info.name, info.choices) };
+        i += 1;
+    }
+    params
+};
 
 /// Noise.
 pub static FUNCTIONS: &[Builtin] = &[
@@ -149,5 +173,21 @@ pub static FUNCTIONS: &[Builtin] = &[
               grain.",
         examples: &[ex("random([1 2]) - random([1 2])", "0"), ex("random(3) >= 0 && random(3) < 1", "1")],
         kernel: Kernel::Whole(random),
+    },
+    Builtin {
+        name: "wiener_error",
+        params: &ERROR_PARAMS,
+        brief: "How uncertain the interpolation of `wiener` noise is at a point: its expected squared error.",
+        doc: "Relative to the variance: 0 at lattice points, where values are known, below 1 between, the same in every \
+              cell and for every seed. It is 1 - cᵗC⁻¹c, the confidence measure of Lewis 1989, section 3; the square \
+              root is the expected error in standard deviations. `covariance`, `width`, `frequency`, `knots` and \
+              `neighbours` are those of `Noise(p, kind = \"wiener\")`, with the same defaults.",
+        examples: &[
+            ex("wiener_error([1 2 3])", "0"),
+            ex("wiener_error(0.5) > wiener_error(0.25) && wiener_error(0.25) > 0", "1"),
+            ex("wiener_error([0.3 0.7], width = 1) < wiener_error([0.3 0.7], width = 0.4)", "1"),
+            ex("wiener_error([0.3 0.7]) - wiener_error([5.7 0.3])", "0"),
+        ],
+        kernel: Kernel::Whole(wiener_error),
     },
 ];

@@ -2,7 +2,7 @@
 
 use super::Param;
 use super::call::{Call, Fault};
-use crate::noise::{Field, KINDS, Kind, OPTIONS, Params, Unfit, related_seed};
+use crate::noise::{Field, Info, KINDS, Kind, OPTIONS, Opt, Params, Unfit, related_seed};
 use crate::shape::Shape;
 use crate::value::{Planes, Value};
 use smallvec::SmallVec;
@@ -57,17 +57,26 @@ pub fn seed(call: &Call<'_>, arg: usize) -> Result<u32, Fault> {
 
 /// The kind, which is the argument `first`, and the parameters that follow it.
 pub fn kind_and_params(call: &Call<'_>, first: usize) -> Result<(&'static Kind, Params), Fault> {
-    let place = |arg: usize| call.args[arg].as_uniform().unwrap_or(0.0) as usize;
-    let kind = KINDS[place(first)];
-    let mut params = Params::seeded(seed(call, first + 1)?);
-    for (i, info) in OPTIONS.iter().enumerate() {
-        let arg = first + 2 + i;
+    let kind = KINDS[place(call, first)];
+    let params = Params::seeded(seed(call, first + 1)?);
+    Ok((kind, with_options(call, params, first + 2, OPTIONS.iter())?))
+}
+
+/// The parameters with what the arguments from `first` on say of these options, one argument each.
+pub fn with_options<'a>(
+    call: &Call<'_>,
+    mut params: Params,
+    first: usize,
+    options: impl Iterator<Item = &'a Info>,
+) -> Result<Params, Fault> {
+    for (i, info) in options.enumerate() {
+        let arg = first + i;
         let value = &call.args[arg];
         match value.shape {
             _ if !info.choices.is_empty() => {
                 // The first word is the default, given or not.
-                if place(arg) > 0 {
-                    params = params.with(info.option, &[place(arg) as f32]);
+                if place(call, arg) > 0 {
+                    params = params.with(info.option, &[place(call, arg) as f32]);
                 }
             }
             Shape::Vector(0) => {}
@@ -83,7 +92,12 @@ pub fn kind_and_params(call: &Call<'_>, first: usize) -> Result<(&'static Kind, 
             }
         }
     }
-    Ok((kind, params))
+    Ok(params)
+}
+
+/// The place of a word among its choices.
+fn place(call: &Call<'_>, arg: usize) -> usize {
+    call.args[arg].as_uniform().unwrap_or(0.0) as usize
 }
 
 /// A field of the kind that the arguments from `first` on ask for.
@@ -112,8 +126,11 @@ pub fn make(
     params: &Params,
     first: usize,
 ) -> Result<Arc<dyn Field>, Fault> {
-    kind.field(dimensions, params).map_err(|Unfit { option, message, hint }| {
-        let fault = Fault::of(option.map_or(0, |o| first + 2 + o as usize), message);
-        if let Some(hint) = hint { fault.hint(hint) } else { fault }
-    })
+    kind.field(dimensions, params).map_err(|unfit| fault(unfit, |option| first + 2 + option as usize))
+}
+
+/// What is unfit as a fault, of the argument that gives the option.
+pub fn fault(unfit: Unfit, arg: impl Fn(Opt) -> usize) -> Fault {
+    let fault = Fault::of(unfit.option.map_or(0, arg), unfit.message);
+    if let Some(hint) = unfit.hint { fault.hint(hint) } else { fault }
 }

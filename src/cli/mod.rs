@@ -12,6 +12,7 @@ mod fmt;
 mod frames;
 mod info;
 mod input;
+mod noise;
 mod output;
 mod progress;
 mod region;
@@ -30,6 +31,7 @@ Examples:
   pse run marble.pse --set veins=6 -o a.exr    set one of its params
   pse scene --list                             the built-in G-buffers
   pse info gbuffer.exr                         what is in a file, and what programs call it
+  pse noise -o noise.png                       the kinds of noise, with their spectra
   pse doc Noise                                what a function does
 
 Exit status: 0 if all went well, 1 if a program or a file is at fault, 2 if the arguments are.";
@@ -48,6 +50,8 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Write the G-buffer of a built-in scene, or list the scenes
     Scene(view::SceneArgs),
+    /// Show the kinds of noise, with their spectra, or tell about them
+    Noise(noise::NoiseArgs),
     /// Tell what an image file holds, and what programs call it
     Info(info::InfoArgs),
     /// Look for mistakes in programs without running them
@@ -67,6 +71,7 @@ pub fn run(cli: Cli) -> ExitCode {
     let outcome = match cli.command {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Scene(args)) => view::scene(&args),
+        Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Info(args)) => info::info(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Fmt(args)) => fmt::fmt(&args),

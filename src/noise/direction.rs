@@ -17,6 +17,21 @@ fn half_circle(bits: u32) -> (f32, f32) {
     ((1.0 - u) * (C[0] + u * (C[1] + u * C[2])), t * (S[0] + u * (S[1] + u * S[2])))
 }
 
+/// The units of [`arc`]'s cosine and sine.
+pub const ARC: [f32; 2] = [0.139_467_8, 0.544_176_06];
+
+/// Cosine and sine of up to a quarter turn either way, t = -1 … 1: the more direct way of the noises that need
+/// many. Each is in its unit of [`ARC`], to be multiplied by in the end, so that no factor stands before t². `one`
+/// is 1, or where t is so many times as large, the square of it.
+///
+/// Fitted so that the length is 1 within 1e-4 and that the squares of both have the same mean. (The arc is three
+/// degrees longer at both ends than it should be, and a turn in ten there not quite evenly gone through.)
+#[inline(always)]
+pub fn arc(t: f32, one: f32) -> (f32, f32) {
+    let u = t * t;
+    ((0.943_246_5 * one - u) * (7.601_169 * one - u), t * (2.835_302_8 * one - u))
+}
+
 /// All bits as a number in -[`LENGTH`] … [`LENGTH`].
 #[inline(always)]
 fn coordinate(bits: u32) -> f32 {

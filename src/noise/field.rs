@@ -63,7 +63,7 @@ pub(super) fn coordinates<'a, const D: usize>(p: &[&'a [f32]]) -> [&'a [f32]; D]
 /// knows that they do not overlap.
 pub(super) const TILE: usize = 64;
 /// A tile is filled up to a multiple of the widest vector, so that no lane runs alone.
-const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 8;
 
 /// Copies up to [`TILE`] lanes of each coordinate, from lane `start`, and tells how many to work on.
 #[inline(always)]
@@ -117,8 +117,8 @@ impl<A: Pointwise<D>, const D: usize> Kernel for Derivatives<'_, '_, A, D> {
             let mut gradients = [[0.0; TILE]; D];
             for i in 0..work {
                 let jet = self.algorithm.jet(std::array::from_fn(|k| p[k][i]));
-                for k in 0..D {
-                    gradients[k][i] = jet.gradient[k];
+                for (gradients, gradient) in gradients.iter_mut().zip(jet.gradient) {
+                    gradients[i] = gradient;
                 }
             }
             for (out, gradient) in self.out.iter_mut().zip(&gradients) {

@@ -4,9 +4,9 @@
 //! Where the course has a table of 256 gradients, this has a hash, so nothing repeats.
 //! In four dimensions gradients are directions in four dimensions.
 
-use super::direction::{LENGTH, along};
 use super::kind::{Contract, Kind, Smoothness};
-use super::lattice::{Linear, Planes, lattice_field};
+use super::lattice::lattice_field;
+use super::linear::{Linear, Planes, Tiled};
 use super::options::Opt;
 
 /// Gradient noise, 1992.
@@ -26,18 +26,14 @@ pub static KIND: Kind = Kind {
         source: "Perlin 1992, section 3.6.2; Peachey, \"Gradient Noise\"",
         remarks: "",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Gradient, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(fast d, params, [1 2 3 4], Tiled |lattice| Linear::<Gradient, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]
 struct Gradient;
 
 impl Planes for Gradient {
-    /// Perlin's factor, which makes the range about -1 … 1, for directions of their length.
-    const SCALE: f32 = 1.5 / LENGTH;
-
-    #[inline(always)]
-    fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32 {
-        along(hash, offset)
-    }
+    /// Perlin's factor, which makes the range about -1 … 1.
+    const SCALE: f32 = 1.5;
+    const VALUE: f32 = 0.0;
 }

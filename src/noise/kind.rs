@@ -57,6 +57,8 @@ pub enum Smoothness {
     C1,
     /// The second derivatives too.
     C2,
+    /// The third derivatives too.
+    C3,
     /// All of them.
     Analytic,
 }
@@ -68,6 +70,7 @@ impl std::fmt::Display for Smoothness {
             Smoothness::C0 => "C⁰",
             Smoothness::C1 => "C¹",
             Smoothness::C2 => "C²",
+            Smoothness::C3 => "C³",
             Smoothness::Analytic => "C^∞",
         })
     }

@@ -6,9 +6,12 @@
 //! | `kind` | what an entry says, and how a [`Field`] is made and kept |
 //! | `options` | what kinds can be given beside a seed |
 //! | `field` | the loop over lanes that most kinds share |
+//! | `reference` | the entries of the kinds in words |
 //! | `sums` | sums of octaves of any kind: turbulence and its like |
-//! | `white` | a random number for each point |
-//! | `lattice`, `direction`, `hash` | what the lattice kinds share |
+//! | `impulses` | what the kinds share that scatter impulses |
+//! | `table`, `spline`, `fft` | what the kinds share that fill a table |
+//! | `random` | a random number for each point |
+//! | `lattice`, `tensor`, `direction`, `hash` | what the lattice kinds share |
 //!
 //! Every other file is a kind. To add one, write its file with a [`Kind`] and put that into the table.
 //!
@@ -26,24 +29,49 @@
 //! assert_eq!(noise[1], 0.0); // gradient noise is zero at lattice points
 //! ```
 
+mod cellular;
+#[cfg(test)]
+mod checks;
+mod composed;
 pub mod direction;
+mod fft;
 mod field;
+mod fourier;
+mod gabor;
+mod gardner;
 mod gradient;
 pub mod hash;
+mod hermite;
+mod improved;
+mod impulses;
 mod kind;
 mod kinds;
 mod lattice;
+mod lattice_convolution;
+mod linear;
+mod midpoint;
 mod options;
 mod perlin1985;
+pub mod random;
+pub mod reference;
+mod simplex;
+mod sparse_convolution;
+mod spline;
 pub mod sums;
+mod table;
+mod tensor;
 #[cfg(test)]
 mod tests;
-pub mod white;
+mod value;
+mod value_gradient;
+mod white;
+mod wiener;
 
 pub use field::Field;
 pub use kind::{Contract, Kind, Made, Smoothness, Unfit};
 pub use kinds::KINDS;
 pub use options::{Info, OPTIONS, Opt, Params};
+pub use wiener::wiener_error;
 
 /// The seed of another, unrelated noise: one for each number below 2^32, and for 0 the seed itself.
 pub fn related_seed(seed: u32, number: u32) -> u32 {

@@ -95,9 +95,18 @@ pub static OPTIONS: [Info; 17] = [
         "a curve of your own over distance, in place of a named one: its values at equal steps, the first at 0",
     ),
     info(Opt::Neighbours, "neighbours", "how many lattice points along each axis are looked at"),
-    info(Opt::Beta, "beta", "how steeply the spectrum falls: power is frequency ^ -beta"),
+    info(
+        Opt::Beta,
+        "beta",
+        "how steeply the spectrum falls: the density of power at a frequency, in as many dimensions as the point has, is frequency ^ -beta",
+    ),
     info(Opt::Roughness, "roughness", "the size of detail at half the scale, 0 to 1"),
-    choice(Opt::Feature, "feature", &["F1", "F2", "F2-F1", "id"], "what is told of the points in the cells"),
+    choice(
+        Opt::Feature,
+        "feature",
+        &["F1", "F2", "F2-F1", "id"],
+        "what is told of the scattered points: the distance to the nearest, to the second nearest, the difference of the two, or a random number for each region",
+    ),
     choice(Opt::Metric, "metric", &["euclidean", "manhattan", "chebyshev"], "what distance is"),
     info(Opt::Jitter, "jitter", "how far points are scattered in their cells, 0 to 1"),
 ];

@@ -4,10 +4,9 @@
 //! the linear equations of the cell's corners by cubic weights. H() of the paper is `hash` and `direction`.
 //! In four dimensions gradients are directions in four dimensions.
 
-use super::direction::{LENGTH, along};
-use super::hash::more;
 use super::kind::{Contract, Kind, Smoothness};
-use super::lattice::{Linear, Planes, lattice_field};
+use super::lattice::lattice_field;
+use super::linear::{Linear, Planes, Tiled};
 use super::options::Opt;
 
 /// Noise() of 1985.
@@ -27,22 +26,15 @@ pub static KIND: Kind = Kind {
         source: "Perlin 1985, \"Noise()\"",
         remarks: "Of a million points all were within ±1.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Perlin1985, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(fast d, params, [1 2 3 4], Tiled |lattice| Linear::<Perlin1985, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]
 struct Perlin1985;
 
-/// Values are even in -VALUE … VALUE, gradients being of length 1. The larger, the more energy lies in low
-/// frequencies: 0.35 puts 27 % below 0.3 cycles a unit, 0.7 puts 34 %. A half also lets noise just reach ±1.
-const VALUE: f32 = 0.5;
-
 impl Planes for Perlin1985 {
-    const SCALE: f32 = 1.0 / LENGTH;
-
-    #[inline(always)]
-    fn height<const D: usize>(hash: u32, offset: [f32; D]) -> f32 {
-        const UNIT: f32 = VALUE * LENGTH / (1_u32 << 31) as f32;
-        more(hash) as i32 as f32 * UNIT + along(hash, offset)
-    }
+    const SCALE: f32 = 1.0;
+    /// The larger, the more energy lies in low frequencies: 0.35 puts 27 % below 0.3 cycles a unit, 0.7 puts 34 %.
+    /// A half also lets noise just reach ±1.
+    const VALUE: f32 = 0.5;
 }

@@ -195,14 +195,14 @@ impl Kernel for Shares<'_> {
         let Block { numbers, share, scaled, .. } = self.block;
         let of = |number: Number| &numbers[number as usize];
         let mut open = true;
-        for i in 0..self.active {
+        for (i, share) in share[..self.active].iter_mut().enumerate() {
             let frequency = of(Frequency)[i];
             let counted = of(Octaves)[i].clamp(0.0, 1.0);
             // Peachey's fade: 1 up to half of the cutoff frequency, then down to 0.
             let left = (2.0 * (1.0 - frequency / of(High)[i]) / of(Fade)[i]).clamp(0.0, 1.0);
             let within = frequency > 0.0 && frequency < of(High)[i];
-            share[i] = if within { counted * left } else { 0.0 };
-            open &= share[i] > 0.0;
+            *share = if within { counted * left } else { 0.0 };
+            open &= *share > 0.0;
         }
         for (k, scaled) in scaled.iter_mut().enumerate() {
             for i in 0..self.active {

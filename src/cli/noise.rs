@@ -1,0 +1,101 @@
+//! `pse noise`: what the kinds of noise are and look like.
+
+mod canvas;
+mod panels;
+mod row;
+mod sheet;
+
+use super::failure::{Failure, print, warn};
+use super::output;
+use super::progress::Bar;
+use crate::image::WriteOptions;
+use crate::noise::{KINDS, Kind, reference};
+use clap::Args;
+use row::{Common, Row};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  pse noise                                   the kinds, a line each
+  pse noise --list wiener                     all that is known of one
+  pse noise -o sheet.png                      the look and the spectra of all kinds
+  pse noise value gradient value_gradient hermite lattice_convolution sparse_convolution
+                                              Peachey's figures 2.35 to 2.37, into noise.png
+  pse noise fractalsum:gradient turbulence:gradient    his figures 2.38 and 2.39
+  pse noise sparse_convolution sparse_convolution,density=1 sparse_convolution,kernel=gabor
+                                              as figure 5 of Lewis
+  pse noise wiener --set covariance=oscillatory --set period=8 --seed 3
+
+A row of the sheet shows, of one noise: a plane section through the solid (grey, from 2.5 deviations below the mean to \
+as many above); its values along the middle of that section; the power of plane sections by frequency, with the band \
+from 0.3 to 0.7 cycles a unit marked; the amplitude by frequency of long straight sections; a histogram.
+
+Beside a kind there are turbulence, fractalsum, fBm, ridged and hybrid: sums of octaves of Noise as it is without \
+a kind, or, as turbulence:KIND, of another. Their spectra have logarithmic axes.";
+
+/// Which noises, and where to.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct NoiseArgs {
+    /// The kinds or sums, with options of their own; all if none is given
+    #[arg(value_name = "KIND[,OPTION=VALUE]")]
+    kinds: Vec<String>,
+    /// Tell all that is known of the kinds
+    #[arg(long, conflicts_with_all = ["output", "set", "seed", "dimensions", "size"])]
+    list: bool,
+    /// The picture to write, noise.png if there are kinds and it is not given; - is standard output, as EXR
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// An option for all of them: density=3, kernel=gabor, period=4,4,0
+    #[arg(long, value_name = "OPTION=VALUE")]
+    set: Vec<String>,
+    /// The seed
+    #[arg(long, value_name = "N", default_value_t = 0.0, allow_negative_numbers = true)]
+    seed: f32,
+    /// How many coordinates a point has; 3, or what is next to that, if not given
+    #[arg(long, value_name = "1-4", value_parser = clap::value_parser!(u8).range(1..=4))]
+    dimensions: Option<u8>,
+    /// The side of a plane section, in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 192, value_parser = clap::value_parser!(u16).range(64..=1024))]
+    size: u16,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Draws the sheet, or tells about the kinds.
+pub(super) fn noise(args: &NoiseArgs) -> Result<(), Failure> {
+    if args.list {
+        return list(&args.kinds);
+    }
+    if args.kinds.is_empty() && args.output.is_none() {
+        return print(&reference::list());
+    }
+    let common = Common { set: &args.set, seed: args.seed, dimensions: args.dimensions.map(usize::from) };
+    let rows = match args.kinds.is_empty() {
+        true => row::all(&common)?,
+        false => args.kinds.iter().map(|text| Row::new(text, &common)).collect::<Result<_, _>>()?,
+    };
+    let path = args.output.clone().unwrap_or_else(|| "noise.png".into());
+    output::check(&path)?;
+    let bar = Bar::new("noise", args.quiet);
+    let image = sheet::draw(&rows, usize::from(args.size), |progress| bar.update(progress));
+    bar.clear();
+    output::write(&path, &image?, &WriteOptions::default())?;
+    if !args.quiet {
+        let n = rows.len();
+        let s = if n == 1 { "" } else { "s" };
+        warn(&format!("wrote {} ({n} noise{s})", output::shown(&path)));
+    }
+    Ok(())
+}
+
+/// All that is known of some kinds, or of all.
+fn list(names: &[String]) -> Result<(), Failure> {
+    let kinds: Vec<&'static Kind> = match names {
+        [] => KINDS.to_vec(),
+        names => names.iter().map(|name| row::kind(name)).collect::<Result<_, _>>()?,
+    };
+    let texts: Vec<String> = kinds.into_iter().map(reference::describe).collect();
+    print(&texts.join("\n"))
+}
