@@ -42,7 +42,7 @@ impl Writer<'_> {
             };
         }
         let d = depth - 1;
-        match self.pick(14) {
+        match self.pick(19) {
             0 => format!("({} + {})", self.scalar(d), self.scalar(d)),
             1 => format!("({} - {})", self.scalar(d), self.scalar(d)),
             2 => format!("({} * {})", self.scalar(d), self.scalar(d)),
@@ -56,13 +56,18 @@ impl Writer<'_> {
             10 => format!("Noise({})", self.vector(d)),
             11 => format!("sum({})", self.vector(d)),
             12 => format!("deep({}, {})", self.scalar(d), self.pick(5)),
+            13 => format!("norm({})", self.vector(d)),
+            14 => format!("max({}, {})", self.scalar(d), self.scalar(d)),
+            15 => format!("clamp({})", self.scalar(d)),
+            16 => format!("spline({}, 0, 1, -1, 2, 0.5)", self.scalar(d)),
+            17 => format!("-{}", self.scalar(d)),
             _ => format!("early({}, {})", self.vector(d), self.scalar(d)),
         }
     }
 
     /// A vector, of whatever length.
     fn vector(&mut self, depth: usize) -> String {
-        match self.pick(7) {
+        match self.pick(9) {
             0 => "p".into(),
             1 => "v0".into(),
             2 => "v1".into(),
@@ -71,6 +76,8 @@ impl Writer<'_> {
             5 if depth > 0 => {
                 format!("({} ? {} : {})", self.scalar(0), self.vector(depth - 1), self.vector(depth - 1))
             }
+            6 if depth > 0 => format!("direction({})", self.vector(depth - 1)),
+            7 if depth > 0 => format!("Dnoise({})", self.vector(depth - 1)),
             _ => "[1 2 x]".into(),
         }
     }
@@ -208,6 +215,8 @@ proptest! {
         let image = image();
         let alone = RunOptions { batch: Some(1), threads: Some(1), isa: Some(Isa::baseline()), ..RunOptions::default() };
         let expected = outcome(&program, &image, &alone);
+        let plain = RunOptions { threads: Some(1), no_optimize: true, ..RunOptions::default() };
+        prop_assert_eq!(&outcome(&program, &image, &plain), &expected, "not optimized\n{}", text);
         for batch in [7, 255, 256, 257, 512, 4096] {
             let options = RunOptions { batch: Some(batch), threads: Some(1), ..RunOptions::default() };
             prop_assert_eq!(&outcome(&program, &image, &options), &expected, "batch {}\n{}", batch, text);

@@ -21,7 +21,11 @@ mod tests;
 mod trigonometry;
 mod vectors;
 
+pub use arithmetic::{max, min};
 pub use call::{Call, Fault, map2};
+pub use noise::noise_fields;
+pub use splines::Curve;
+pub use vectors::inverse;
 
 use crate::lanes::{Arg, Isa};
 use crate::value::Value;

@@ -7,6 +7,15 @@ use super::{Builtin, Kernel, Param, ex};
 use crate::noise::{Field, OPTIONS, Opt, Params, random};
 use crate::shape::Shape;
 use crate::value::{Plane, Planes, Value};
+use std::sync::Arc;
+
+/// The fields of a call of `Noise`, `Dnoise` (one) or `Vnoise` (three) at points of so many coordinates.
+pub fn noise_fields(call: &Call<'_>, dimensions: usize, count: usize) -> Result<Vec<Arc<dyn Field>>, Fault> {
+    if count == 3 {
+        return Ok(fields::<3>(call, 1, dimensions)?.into());
+    }
+    Ok(vec![field(call, 1, dimensions)?])
+}
 
 /// The noise at points.
 fn values(call: &Call<'_>, field: &dyn Field, p: &[Plane]) -> Plane {

@@ -45,16 +45,20 @@ struct Place {
     along: Plane,
 }
 
+/// The piece that a parameter falls into, of so many, and how far along it lies.
+#[inline(always)]
+fn locate(t: f32, pieces: f32) -> [f32; 2] {
+    let at = super::arithmetic::clamp(t, 0.0, 1.0) * pieces;
+    let whole = math::floor(at);
+    // The very end belongs to the last piece. NaN does too, and stays NaN along it.
+    let whole = if whole < pieces { whole } else { pieces - 1.0 };
+    [whole, at - whole]
+}
+
 /// The piece that each lane's parameter falls into.
 fn place(call: &Call<'_>, t: &Plane, pieces: usize) -> Place {
     let last = pieces as f32;
-    let [piece, along] = call.lanes([t], |[t]| {
-        let at = super::arithmetic::clamp(t, 0.0, 1.0) * last;
-        let whole = math::floor(at);
-        // The very end belongs to the last piece. NaN does too, and stays NaN along it.
-        let whole = if whole < last { whole } else { last - 1.0 };
-        [whole, at - whole]
-    });
+    let [piece, along] = call.lanes([t], |[t]| locate(t, last));
     let n = if matches!(piece, Plane::Uniform(_)) { 1 } else { call.n };
     Place { piece: piece.spread(n), along }
 }
@@ -70,7 +74,7 @@ fn curve<const W: usize>(
         knots.iter().map(|k| if let Plane::Uniform(x) = k { Some(*x) } else { None }).collect();
     if let Some(numbers) = numbers {
         // The usual case: each piece's polynomial is made once, and each lane looks its own up.
-        let table: Vec<[f32; W]> = numbers.windows(W).map(|w| make(from_fn(|k| w[k]))).collect();
+        let table = pieces(&numbers, make);
         return match &place.along {
             Plane::Uniform(x) => Plane::Uniform(horner(table[place.piece.get(1)[0] as usize], *x)),
             Plane::Varying(along) => Plane::filled(call.n, |out| {
@@ -113,15 +117,8 @@ fn piece<const W: usize>(
 
 /// Each lane's polynomial out of a table. A short table is copied to one of fixed size, which needs no checks.
 fn look_up<const W: usize>(isa: Isa, table: &[[f32; W]], at: &[f32], along: &[f32], out: &mut [f32]) {
-    const SHORT: usize = 64;
     if table.len() <= SHORT {
-        let mut fixed = [[0.0; SHORT]; W];
-        for (piece, row) in table.iter().enumerate() {
-            for k in 0..W {
-                fixed[k][piece] = row[k];
-            }
-        }
-        isa.run(LookUp { table: &fixed, at, along, out });
+        isa.run(LookUp { table: &fixed(table), at, along, out });
     } else {
         for ((out, &at), &x) in out.iter_mut().zip(at).zip(along) {
             *out = horner(table[at as usize], x);
@@ -129,15 +126,31 @@ fn look_up<const W: usize>(isa: Isa, table: &[[f32; W]], at: &[f32], along: &[f3
     }
 }
 
+/// The most pieces of a short table.
+const SHORT: usize = 64;
+
+/// The coefficients of a short table, the same one of all pieces together.
+type Fixed<const W: usize> = [[f32; SHORT]; W];
+
+fn fixed<const W: usize>(table: &[[f32; W]]) -> Fixed<W> {
+    let mut fixed = [[0.0; SHORT]; W];
+    for (piece, row) in table.iter().enumerate() {
+        for k in 0..W {
+            fixed[k][piece] = row[k];
+        }
+    }
+    fixed
+}
+
 /// The loop over a short table.
-struct LookUp<'a, const W: usize, const SHORT: usize> {
-    table: &'a [[f32; SHORT]; W],
+struct LookUp<'a, const W: usize> {
+    table: &'a Fixed<W>,
     at: &'a [f32],
     along: &'a [f32],
     out: &'a mut [f32],
 }
 
-impl<const W: usize, const SHORT: usize> lanes::Kernel for LookUp<'_, W, SHORT> {
+impl<const W: usize> lanes::Kernel for LookUp<'_, W> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
@@ -146,6 +159,66 @@ impl<const W: usize, const SHORT: usize> lanes::Kernel for LookUp<'_, W, SHORT> 
             *out = horner::<W>(from_fn(|k| self.table[k][piece]), x);
         }
     }
+}
+
+/// A curve through known knots, to be looked up again and again.
+pub enum Curve {
+    /// A spline, by coordinate, and its number of pieces.
+    Spline(Vec<Fixed<4>>, usize),
+    /// Straight lines.
+    Lines(Vec<Fixed<2>>, usize),
+}
+
+impl Curve {
+    /// The most knots of one.
+    pub const MOST: usize = SHORT;
+
+    /// The spline of the function `spline` through knots, each coordinate's in order.
+    pub fn spline(knots: &[Vec<f32>]) -> Curve {
+        Curve::Spline(knots.iter().map(|k| fixed(&pieces(k, catmull_rom))).collect(), knots[0].len() - 3)
+    }
+
+    /// The lines of the function `linear`.
+    pub fn lines(knots: &[Vec<f32>]) -> Curve {
+        Curve::Lines(knots.iter().map(|k| fixed(&pieces(k, straight))).collect(), knots[0].len() - 1)
+    }
+
+    /// A coordinate of the points at t.
+    pub fn look_up(&self, isa: Isa, coordinate: usize, t: &[f32], out: &mut [f32]) {
+        match self {
+            Curve::Spline(tables, pieces) => {
+                isa.run(Follow { table: &tables[coordinate], last: *pieces as f32, t, out });
+            }
+            Curve::Lines(tables, pieces) => {
+                isa.run(Follow { table: &tables[coordinate], last: *pieces as f32, t, out });
+            }
+        }
+    }
+}
+
+/// Place and polynomial of each lane.
+struct Follow<'a, const W: usize> {
+    table: &'a Fixed<W>,
+    last: f32,
+    t: &'a [f32],
+    out: &'a mut [f32],
+}
+
+impl<const W: usize> lanes::Kernel for Follow<'_, W> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for (out, &t) in self.out.iter_mut().zip(self.t) {
+            let [at, x] = locate(t, self.last);
+            let piece = at as i32 as usize & (SHORT - 1);
+            *out = horner::<W>(from_fn(|k| self.table[k][piece]), x);
+        }
+    }
+}
+
+/// The polynomials of all pieces.
+fn pieces<const W: usize>(knots: &[f32], make: fn([f32; W]) -> [f32; W]) -> Vec<[f32; W]> {
+    knots.windows(W).map(|w| make(from_fn(|k| w[k]))).collect()
 }
 
 /// The knots of a call: the further arguments, or the elements of the only one.

@@ -35,24 +35,25 @@ pub fn norm_planes(call: &Call<'_>, v: &[Plane]) -> Plane {
     }
 }
 
-/// `x / length`, or 0 of no length: a pixel without a surface has a zero normal, and must not turn to NaN.
+/// What a vector of this length is multiplied by to become of length 1: 0 for no length, as a pixel without a
+/// surface has a zero normal, which must not turn to NaN.
 #[inline(always)]
-fn over(x: f32, length: f32) -> f32 {
-    let quotient = x / length;
-    if length == 0.0 { 0.0 } else { quotient }
+pub fn inverse(length: f32) -> f32 {
+    let inverse = 1.0 / length;
+    if length == 0.0 { 0.0 } else { inverse }
 }
 
 /// Each component divided by the length; zero vectors stay zero.
 pub fn direction_planes(call: &Call<'_>, v: &[Plane]) -> Planes {
     if let [x, y, z] = v {
         let unit = call.lanes([x, y, z], |[x, y, z]| {
-            let length = (x * x + y * y + z * z).sqrt();
-            [over(x, length), over(y, length), over(z, length)]
+            let inverse = inverse((x * x + y * y + z * z).sqrt());
+            [x * inverse, y * inverse, z * inverse]
         });
         return unit.into_iter().collect();
     }
-    let length = norm_planes(call, v);
-    v.iter().map(|x| call.lane([x, &length], |[x, length]| over(x, length))).collect()
+    let inverse = call.lane([&norm_planes(call, v)], |[length]| inverse(length));
+    v.iter().map(|x| call.lane([x, &inverse], |[x, inverse]| x * inverse)).collect()
 }
 
 /// A scalar if both arguments were, else a vector.

@@ -99,6 +99,7 @@ fn compute(args: &RunArgs, plan: &Plan, loaded: &Loaded, frame: f32) -> Result<(
         threads: args.threads,
         batch: args.batch,
         isa: Some(plan.isa),
+        no_optimize: args.no_optimize,
         limits: args.limits.limits(),
         cancel: None,
         progress: Some(&progress),

@@ -13,11 +13,19 @@ impl<'r> Machine<'r> {
     /// Runs statements in order, as long as a lane is left.
     pub fn block(&mut self, block: &'r [Stmt], mask: &Mask) -> Result<Mask> {
         let mut mask = mask.clone();
-        for stmt in block {
+        let mut rest = block;
+        while let Some((stmt, after)) = rest.split_first() {
             if mask.is_none() {
                 break;
             }
+            self.at = stmt.span;
+            if let Some(plan) = self.plan(rest, &mask) {
+                self.run_plan(&plan, &mask)?;
+                rest = &rest[plan.count..];
+                continue;
+            }
             mask = self.exec(stmt, &mask)?;
+            rest = after;
         }
         Ok(mask)
     }
@@ -90,6 +98,13 @@ impl<'r> Machine<'r> {
 
     /// Runs the block of a branch, on its lanes alone if that saves work.
     fn part(&mut self, block: &'r Block, mask: &Mask) -> Result<Mask> {
+        if mask.is_none() {
+            return Ok(Mask::None);
+        }
+        if let Some(plan) = self.plan(&block.stmts, mask).filter(|plan| plan.count == block.stmts.len()) {
+            self.run_plan(&plan, mask)?;
+            return Ok(mask.clone());
+        }
         match self.gathered(&block.effects, mask) {
             Some(lanes) => {
                 self.dense(&lanes, &block.effects, |machine| {

@@ -3,6 +3,7 @@
 use super::bind::Bound;
 use super::fault::{Fault, Result};
 use super::limits::Limits;
+use super::plan::Plans;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::lanes::Isa;
 use crate::resolve::names;
@@ -85,6 +86,12 @@ pub(super) struct Machine<'r> {
     keeping: bool,
     /// How often steps were counted, to look for a cancellation now and then.
     polls: u32,
+    /// Shorter ways for some statements; see [`super::plan`].
+    pub plans: Plans,
+    /// Are such taken?
+    optimize: bool,
+    /// The outer variables that are to be written; `None`: all.
+    outputs: Option<Box<[u32]>>,
 }
 
 impl<'r> Machine<'r> {
@@ -114,7 +121,33 @@ impl<'r> Machine<'r> {
             counts: None,
             keeping: false,
             polls: 0,
+            plans: Plans::default(),
+            optimize: true,
+            outputs: None,
         }
+    }
+
+    /// Without shorter ways for statements.
+    pub fn plain(&mut self) {
+        self.optimize = false;
+    }
+
+    /// Of the outer variables only these are wanted when the batch is done.
+    pub fn want(&mut self, outputs: Box<[u32]>) {
+        self.outputs = Some(outputs);
+    }
+
+    /// Is the variable wanted when the batch is done?
+    pub fn wanted(&self, place: Place) -> bool {
+        match (place, &self.outputs) {
+            (Place::Global(i), Some(outputs)) => outputs.contains(&i),
+            _ => true,
+        }
+    }
+
+    /// May statements be run by a plan? Not where each lane's steps are counted.
+    pub fn plans_allowed(&self) -> bool {
+        self.optimize && self.counts.is_none() && !self.keeping
     }
 
     /// How wide the batch is.
@@ -248,6 +281,14 @@ impl<'r> Machine<'r> {
         match place {
             Place::Global(i) => &mut self.globals[i as usize],
             Place::Local(i) => &mut self.locals[self.base + i as usize],
+        }
+    }
+
+    /// The slot of a variable, to look at.
+    pub fn slot_of(&self, place: Place) -> &Slot {
+        match place {
+            Place::Global(i) => &self.globals[i as usize],
+            Place::Local(i) => &self.locals[self.base + i as usize],
         }
     }
 

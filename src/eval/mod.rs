@@ -17,6 +17,7 @@ mod machine;
 mod ops;
 mod output;
 mod pixelsize;
+mod plan;
 mod run;
 mod store;
 mod worker;

@@ -53,6 +53,8 @@ pub struct Options<'o> {
     pub batch: Option<usize>,
     /// The instruction set; `None`: the best that this machine has. The result is the same for all.
     pub isa: Option<Isa>,
+    /// Walk the tree alone, without plans for straight stretches of it. The result is the same, and later there.
+    pub no_optimize: bool,
     /// What a pixel may use up.
     pub limits: Limits,
     /// Set from another thread, it ends the run soon.
@@ -201,7 +203,9 @@ impl<'r> Job<'r> {
     }
 
     fn worker(&self) -> Worker<'r> {
-        Worker::new(self.program, self.bound, self.options, self.by_normal)
+        let mut worker = Worker::new(self.program, self.bound, self.options, self.by_normal);
+        worker.machine.want(self.outputs.iter().filter_map(|output| output.slot).collect());
+        worker
     }
 
     /// Learns the outputs' shapes from a few pixels. What goes wrong there will go wrong again.

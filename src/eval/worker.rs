@@ -53,7 +53,10 @@ impl<'r> Worker<'r> {
         options: &Options<'r>,
         by_normal: bool,
     ) -> Worker<'r> {
-        let machine = Machine::new(program, bound, options.isa(), options.limits, options.cancel);
+        let mut machine = Machine::new(program, bound, options.isa(), options.limits, options.cancel);
+        if options.no_optimize {
+            machine.plain();
+        }
         Worker { machine, by_normal }
     }
 

@@ -5,15 +5,15 @@ use std::cell::RefCell;
 use std::fmt;
 use std::rc::Rc;
 
-/// Lanes that fill a cache line.
-const LINE: usize = 16;
+/// Lanes that are taken together; two cache lines.
+const LINE: usize = 32;
 
-/// Sixteen lanes on a cache line of their own, so that vector loads never straddle two.
+/// Lanes on cache lines of their own, so that vector loads never straddle two.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 struct Line([f32; LINE]);
 
-// SAFETY: sixteen floats fill the 64 bytes exactly; every bit pattern is a float.
+// SAFETY: 32 floats fill the 128 bytes exactly; every bit pattern is a float.
 unsafe impl Zeroable for Line {}
 // SAFETY: as above; `Line` is `Copy`, has no padding and no references.
 unsafe impl Pod for Line {}
@@ -81,6 +81,14 @@ impl Lanes {
     pub fn get(&self, n: usize) -> &[f32] {
         match &self.buffer {
             Some(buffer) => &bytemuck::cast_slice(buffer)[..n],
+            None => &[],
+        }
+    }
+
+    /// All lanes that there is room for, in blocks of 32. Those beyond the first `n` mean nothing.
+    pub fn blocks(&self) -> &[[f32; LINE]] {
+        match &self.buffer {
+            Some(buffer) => bytemuck::cast_slice(buffer),
             None => &[],
         }
     }
@@ -197,7 +205,7 @@ mod tests {
         let before = live_bytes();
         let address = {
             let a = Lanes::new(100);
-            assert_eq!(live_bytes() - before, 7 * 64);
+            assert_eq!(live_bytes() - before, 4 * 128);
             a.get(1).as_ptr()
         };
         assert_eq!(live_bytes(), before);

@@ -1,0 +1,411 @@
+//! Finds the plan of statements: follows them once, with the values that are the same in all lanes known.
+//!
+//! Loops and conditions that depend on such values alone are gone through here, so that what remains is one
+//! straight line of operations on lanes. What can go wrong at a pixel, or takes another way from pixel to pixel than
+//! a choice between two numbers, is left to the evaluator.
+
+use super::graph::{Cell, Cells, Graph};
+use super::op::Op;
+use super::strip::zip;
+use crate::eval::machine::Machine;
+use crate::resolve::tree::*;
+use crate::shape::Shape;
+use crate::value::{Mask, Plane, Value, broadcast_shape};
+use std::collections::HashMap;
+
+/// The most operations of a plan.
+const MOST: usize = 4096;
+/// The most rounds and calls that are followed.
+const ROUNDS: u32 = 8192;
+/// How deep calls are followed.
+const DEPTH: usize = 16;
+/// The most work in a block of which only some lanes want the result: more is left to them alone.
+const SPARE: u32 = 24;
+
+/// It is left to the evaluator.
+pub struct GiveUp;
+
+/// Numbers under a shape, as [`Value`] has planes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Val {
+    pub shape: Shape,
+    pub cells: Cells,
+}
+
+impl Val {
+    pub fn scalar(cell: Cell) -> Val {
+        Val { shape: Shape::Scalar, cells: Cells::from_elem(cell, 1) }
+    }
+
+    pub fn vector(cells: Cells) -> Val {
+        Val { shape: Shape::Vector(cells.len() as u32), cells }
+    }
+
+    pub fn number(x: f32) -> Val {
+        Val::scalar(Cell::number(x))
+    }
+
+    pub fn element(&self, i: usize) -> Val {
+        Val { shape: self.shape.element(i), cells: self.cells[self.shape.cells_of(i)].into() }
+    }
+
+    pub fn as_scalar(&self) -> Result<Cell, GiveUp> {
+        if self.shape.is_scalar() { Ok(self.cells[0]) } else { Err(GiveUp) }
+    }
+
+    /// The value, if it is the same in all lanes.
+    pub fn known(&self) -> Option<Value> {
+        let planes = self.cells.iter().map(|c| c.known().map(Plane::Uniform)).collect::<Option<_>>()?;
+        Some(Value { shape: self.shape.clone(), planes })
+    }
+}
+
+impl From<&Value> for Val {
+    /// A value of which every plane is the same in all lanes; a varying plane would be 0.
+    fn from(value: &Value) -> Val {
+        let cell = |p: &Plane| Cell::number(if let Plane::Uniform(x) = p { *x } else { 0.0 });
+        Val { shape: value.shape.clone(), cells: value.planes.iter().map(cell).collect() }
+    }
+}
+
+/// A variable that is read before it is assigned, as it must be for the plan to hold.
+pub struct Read {
+    pub place: Place,
+    /// Its shape, and the numbers of planes that are the same in all lanes.
+    pub value: Val,
+}
+
+/// How a statement ends.
+pub enum Flow {
+    On,
+    Break,
+    Continue,
+    Return(Val),
+}
+
+pub struct Builder<'m, 'r> {
+    pub machine: &'m mut Machine<'r>,
+    pub mask: &'m Mask,
+    pub graph: Graph,
+    /// What is read from outside.
+    pub reads: Vec<Read>,
+    /// The planes among it that differ from lane to lane: which variable and plane.
+    pub inputs: Vec<(usize, usize)>,
+    /// The variables of the statements' own level.
+    pub outer: HashMap<Place, Val>,
+    /// Those of calls that are followed.
+    frames: Vec<HashMap<Place, Val>>,
+    /// What is assigned, in order.
+    pub assigned: Vec<Place>,
+    /// Rounds of loops and calls, as the evaluator counts them.
+    pub steps: u32,
+    /// How deep expressions nest.
+    pub depth: usize,
+}
+
+impl<'m, 'r> Builder<'m, 'r> {
+    pub fn new(machine: &'m mut Machine<'r>, mask: &'m Mask) -> Builder<'m, 'r> {
+        let graph = Graph::new(machine.isa);
+        Builder {
+            machine,
+            mask,
+            graph,
+            reads: Vec::new(),
+            inputs: Vec::new(),
+            outer: HashMap::new(),
+            frames: Vec::new(),
+            assigned: Vec::new(),
+            steps: 0,
+            depth: 0,
+        }
+    }
+
+    /// Follows statements as far as it can: how many.
+    pub fn follow(&mut self, stmts: &'r [Stmt]) -> usize {
+        for (i, stmt) in stmts.iter().enumerate() {
+            let outer = self.outer.clone();
+            let (reads, inputs, assigned) = (self.reads.len(), self.inputs.len(), self.assigned.len());
+            let steps = self.steps;
+            if !matches!(self.stmt(stmt), Ok(Flow::On)) {
+                self.outer = outer;
+                self.reads.truncate(reads);
+                self.inputs.truncate(inputs);
+                self.assigned.truncate(assigned);
+                self.frames.clear();
+                self.steps = steps;
+                return i;
+            }
+        }
+        stmts.len()
+    }
+
+    fn block(&mut self, stmts: &'r [Stmt]) -> Result<Flow, GiveUp> {
+        for stmt in stmts {
+            match self.stmt(stmt)? {
+                Flow::On => {}
+                left => return Ok(left),
+            }
+        }
+        Ok(Flow::On)
+    }
+
+    fn round(&mut self) -> Result<(), GiveUp> {
+        self.steps += 1;
+        if self.steps > ROUNDS || self.graph.nodes.len() > MOST { Err(GiveUp) } else { Ok(()) }
+    }
+
+    fn stmt(&mut self, stmt: &'r Stmt) -> Result<Flow, GiveUp> {
+        if self.graph.nodes.len() > MOST {
+            return Err(GiveUp);
+        }
+        match &stmt.kind {
+            StmtKind::Assign { place, path, op, value, .. } => {
+                self.assign(*place, path, *op, value)?;
+                Ok(Flow::On)
+            }
+            StmtKind::If(arms, otherwise) => self.branch(arms, otherwise),
+            StmtKind::While(condition, body, _) => loop {
+                self.round()?;
+                if !self.decided(condition)? {
+                    return Ok(Flow::On);
+                }
+                match self.block(body)? {
+                    Flow::On | Flow::Continue => {}
+                    Flow::Break => return Ok(Flow::On),
+                    left => return Ok(left),
+                }
+            },
+            StmtKind::For(place, vector, body) => {
+                let vector = self.expr(vector)?;
+                for i in 0..vector.shape.len().ok_or(GiveUp)? {
+                    self.round()?;
+                    self.set(*place, vector.element(i));
+                    match self.block(body)? {
+                        Flow::On | Flow::Continue => {}
+                        Flow::Break => break,
+                        left => return Ok(left),
+                    }
+                }
+                Ok(Flow::On)
+            }
+            StmtKind::Break => Ok(Flow::Break),
+            StmtKind::Continue => Ok(Flow::Continue),
+            // The statements' own function is the evaluator's to leave.
+            StmtKind::Return(e) if !self.frames.is_empty() => Ok(Flow::Return(self.expr(e)?)),
+            StmtKind::Return(_) | StmtKind::Expr(_) => Err(GiveUp),
+        }
+    }
+
+    /// The truth of a condition that is the same in all lanes.
+    fn decided(&mut self, condition: &'r Expr) -> Result<bool, GiveUp> {
+        let cell = self.expr(condition)?.as_scalar()?;
+        Ok(cell.known().ok_or(GiveUp)? != 0.0)
+    }
+
+    fn branch(&mut self, arms: &'r [(Expr, Block)], otherwise: &'r Block) -> Result<Flow, GiveUp> {
+        let Some(((condition, block), rest)) = arms.split_first() else {
+            return self.block(&otherwise.stmts);
+        };
+        let cell = self.expr(condition)?.as_scalar()?;
+        match cell.known() {
+            Some(0.0) => self.branch(rest, otherwise),
+            Some(_) => self.block(&block.stmts),
+            None => {
+                let work = |block: &Block| block.effects.work;
+                if rest.iter().map(|(_, b)| work(b)).chain([work(block), work(otherwise)]).sum::<u32>()
+                    > SPARE
+                {
+                    return Err(GiveUp);
+                }
+                // Both ways, and of each number the one that its lane wants.
+                let before = self.variables().clone();
+                let Flow::On = self.block(&block.stmts)? else { return Err(GiveUp) };
+                let yes = std::mem::replace(self.variables(), before);
+                let Flow::On = self.branch(rest, otherwise)? else { return Err(GiveUp) };
+                let no = self.variables().clone();
+                *self.variables() = self.either(cell, yes, no)?;
+                Ok(Flow::On)
+            }
+        }
+    }
+
+    /// Of the variables that are assigned on two ways, the value of the way that each lane took.
+    fn either(
+        &mut self,
+        condition: Cell,
+        yes: HashMap<Place, Val>,
+        no: HashMap<Place, Val>,
+    ) -> Result<HashMap<Place, Val>, GiveUp> {
+        // In a fixed order: what is met first is computed first.
+        let mut places: Vec<Place> = yes.keys().chain(no.keys()).copied().collect();
+        places.sort_unstable();
+        places.dedup();
+        let mut both = HashMap::with_capacity(places.len());
+        for place in places {
+            // Assigned on one way alone, it is on the other what it was before.
+            let mut of = |way: &HashMap<Place, Val>| match way.get(&place) {
+                Some(value) => Ok(value.clone()),
+                None => self.find(place),
+            };
+            let (a, b) = (of(&yes)?, of(&no)?);
+            let value = if a == b { a } else { self.select(condition, &a, &b)? };
+            both.insert(place, value);
+        }
+        Ok(both)
+    }
+
+    /// `condition ? a : b`.
+    pub fn select(&mut self, condition: Cell, a: &Val, b: &Val) -> Result<Val, GiveUp> {
+        if a.shape != b.shape {
+            return Err(GiveUp);
+        }
+        let cells = a.cells.iter().zip(&b.cells).map(|(&a, &b)| {
+            if a == b {
+                return a;
+            }
+            self.graph.one(
+                Op::Zip(|isa, args, out| zip(isa, args, out, |[c, a, b]| if c != 0.0 { a } else { b })),
+                &[condition, a, b],
+            )
+        });
+        Ok(Val { shape: a.shape.clone(), cells: cells.collect() })
+    }
+
+    fn assign(
+        &mut self,
+        place: Place,
+        path: &'r [Step],
+        op: Option<BinaryOp>,
+        value: &'r Expr,
+    ) -> Result<(), GiveUp> {
+        if path.is_empty() {
+            let value = match op {
+                None => self.expr(value)?,
+                Some(op) => {
+                    let old = self.get(place)?;
+                    let right = self.expr(value)?;
+                    self.binary(op, &old, &right)?
+                }
+            };
+            self.set(place, value);
+            return Ok(());
+        }
+        let [step] = path else { return Err(GiveUp) };
+        let i = match step {
+            Step::Component(i, _) => *i as usize,
+            Step::Index(e) => self.known_index(e)?,
+        };
+        let mut vector = self.get(place)?;
+        if !matches!(vector.shape, Shape::Vector(n) if i < n as usize) {
+            return Err(GiveUp);
+        }
+        let value = match op {
+            None => self.expr(value)?,
+            Some(op) => {
+                let old = vector.element(i);
+                let right = self.expr(value)?;
+                self.binary(op, &old, &right)?
+            }
+        };
+        vector.cells[i] = value.as_scalar()?;
+        self.set(place, vector);
+        Ok(())
+    }
+
+    /// An index that is the same in all lanes, counted from 0.
+    pub fn known_index(&mut self, e: &'r Expr) -> Result<usize, GiveUp> {
+        let x = self.expr(e)?.as_scalar()?.known().ok_or(GiveUp)?;
+        let i = crate::math::round(x);
+        if (1.0..1e6).contains(&i) { Ok(i as usize - 1) } else { Err(GiveUp) }
+    }
+
+    /// The variables of the innermost call that is followed, or of the statements' own level.
+    fn variables(&mut self) -> &mut HashMap<Place, Val> {
+        self.frames.last_mut().unwrap_or(&mut self.outer)
+    }
+
+    fn set(&mut self, place: Place, value: Val) {
+        if self.frames.is_empty() && !self.assigned.contains(&place) {
+            self.assigned.push(place);
+        }
+        self.variables().insert(place, value);
+    }
+
+    /// A variable's value.
+    pub fn get(&mut self, place: Place) -> Result<Val, GiveUp> {
+        match self.variables().get(&place) {
+            Some(value) => Ok(value.clone()),
+            None => self.find(place),
+        }
+    }
+
+    /// The value of a variable that the calls and statements that are followed have not assigned.
+    fn find(&mut self, place: Place) -> Result<Val, GiveUp> {
+        if !self.frames.is_empty() {
+            // Calls read outer variables, and have no other locals than their own.
+            let Place::Global(_) = place else { return Err(GiveUp) };
+            if let Some(value) = self.outer.get(&place) {
+                return Ok(value.clone());
+            }
+        }
+        if let Some(read) = self.reads.iter().find(|read| read.place == place) {
+            return Ok(read.value.clone());
+        }
+        let width = self.machine.width();
+        let slot = self.machine.slot(place);
+        if !self.mask.is_subset(&slot.defined, width) {
+            return Err(GiveUp);
+        }
+        let value = slot.value.as_ref().ok_or(GiveUp)?;
+        let mut cells = Cells::new();
+        for (k, plane) in value.planes.iter().enumerate() {
+            cells.push(match plane {
+                Plane::Uniform(x) => Cell::number(*x),
+                Plane::Varying(_) => {
+                    self.inputs.push((self.reads.len(), k));
+                    Cell::Result(self.graph.add(Op::Input(self.inputs.len() - 1), &[], 1))
+                }
+            });
+        }
+        let value = Val { shape: value.shape.clone(), cells };
+        self.reads.push(Read { place, value: value.clone() });
+        Ok(value)
+    }
+
+    /// A call of a function of the language.
+    pub fn call(&mut self, f: u32, args: &'r [Expr]) -> Result<Val, GiveUp> {
+        let function = &self.machine.program.functions[f as usize];
+        let mut frame = HashMap::new();
+        for (i, arg) in args.iter().enumerate() {
+            frame.insert(Place::Local(i as u32), self.expr(arg)?);
+        }
+        self.round()?;
+        if self.frames.len() >= DEPTH {
+            return Err(GiveUp);
+        }
+        self.frames.push(frame);
+        let flow = self.block(&function.body)?;
+        self.frames.pop();
+        if let Flow::Return(value) = flow { Ok(value) } else { Err(GiveUp) }
+    }
+
+    /// The cells of several values that are to meet: a scalar with each component of a vector.
+    pub fn meet<const K: usize>(
+        &mut self,
+        values: [&Val; K],
+        mut f: impl FnMut(&mut Graph, [Cell; K]) -> Cell,
+    ) -> Result<Val, GiveUp> {
+        let mut shape = values[0].shape.clone();
+        for value in &values[1..] {
+            shape = broadcast_shape(&shape, &value.shape).map_err(|_| GiveUp)?;
+        }
+        if !values.iter().all(|v| v.shape == shape || v.shape.is_scalar()) || shape.cells() > 64 {
+            return Err(GiveUp);
+        }
+        let step = values.map(|v| usize::from(!v.shape.is_scalar()));
+        let cells = (0..shape.cells())
+            .map(|c| f(&mut self.graph, std::array::from_fn(|k| values[k].cells[c * step[k]])))
+            .collect();
+        Ok(Val { shape, cells })
+    }
+}

@@ -1,0 +1,58 @@
+//! Strips of lanes, and the loops that run over them.
+
+use crate::lanes::{Isa, Kernel};
+
+/// Lanes of a block, which a kernel takes at a time.
+pub const BLOCK: usize = 32;
+/// Blocks of a strip.
+const BLOCKS: usize = 8;
+/// Lanes of a strip: few enough that all strips of a plan stay in the nearest cache, enough to spread the cost of
+/// a visit.
+pub const STRIP: usize = BLOCK * BLOCKS;
+
+/// Neighbouring lanes. What is the same in all lanes is a single block, taken again and again.
+pub type Block = [f32; BLOCK];
+
+/// One number for each lane of a strip, on cache lines of its own.
+#[derive(Clone)]
+#[repr(align(64))]
+pub struct Strip(pub [Block; BLOCKS]);
+
+impl Strip {
+    pub const ZERO: Strip = Strip([[0.0; BLOCK]; BLOCKS]);
+}
+
+/// A kernel that makes one strip of several, lane by lane.
+pub type Zip = fn(Isa, &[&[Block]], &mut [Block]);
+
+/// `out = f(args)`, lane by lane. `f` should be `#[inline(always)]`, or a closure of a line or two.
+///
+/// # Panics
+/// If there are not `N` arguments, or if one is empty.
+#[inline]
+pub fn zip<const N: usize>(isa: Isa, args: &[&[Block]], out: &mut [Block], f: impl Fn([f32; N]) -> f32) {
+    let args: [&[Block]; N] = std::array::from_fn(|k| args[k]);
+    isa.run(Zipped { args, out, f });
+}
+
+struct Zipped<'a, const N: usize, F> {
+    args: [&'a [Block]; N],
+    out: &'a mut [Block],
+    f: F,
+}
+
+impl<const N: usize, F: Fn([f32; N]) -> f32> Kernel for Zipped<'_, N, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let last = self.args.map(|arg| arg.len() - 1);
+        for (b, out) in self.out.iter_mut().enumerate() {
+            let blocks: [&Block; N] = std::array::from_fn(|k| &self.args[k][b.min(last[k])]);
+            let mut result = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                result[i] = (self.f)(std::array::from_fn(|k| blocks[k][i]));
+            }
+            *out = result;
+        }
+    }
+}
