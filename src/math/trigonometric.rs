@@ -28,7 +28,7 @@ fn reduce(x: f32, parts: f64) -> (f64, u64) {
     let x = f64::from(x);
     let whole = x * (parts * PER_HALF_TURN_HIGH);
     let rounded = whole + ROUNDER;
-    // All exact but the last addition, which thus keeps the bits of an angle next to a multiple of π.
+    // All exact but the small product and its addition: an angle next to a multiple of π keeps its bits.
     ((whole - (rounded - ROUNDER)) + x * (parts * PER_HALF_TURN_LOW), rounded.to_bits())
 }
 
