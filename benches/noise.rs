@@ -12,7 +12,9 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::time::{Duration, SystemTime};
 
-use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, measurement::WallTime};
+use criterion::{
+    BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, measurement::WallTime,
+};
 use noise::{NoiseFn, Perlin};
 use pse::lanes::{Arg, Isa};
 use pse::math;
@@ -52,9 +54,8 @@ fn pictures() -> Vec<Batch> {
         let (column, line) = ((pixel % WIDTH) as f32 / 64.0, (pixel / WIDTH) as f32 / 64.0);
         if k < 3 { corner[k] + column * right[k] + line * down[k] } else { 7.3 }
     };
-    let batch = |first: usize| {
-        std::array::from_fn(|k| (0..LANES).map(|lane| coordinate(first + lane, k)).collect())
-    };
+    let batch =
+        |first: usize| std::array::from_fn(|k| (0..LANES).map(|lane| coordinate(first + lane, k)).collect());
     (0..BATCHES).map(|b| batch(b * LANES)).collect()
 }
 
@@ -88,13 +89,17 @@ fn rows() -> Vec<Row> {
 /// The row of the crate `noise`.
 const CRATE: &str = "Perlin of the crate noise";
 
-/// How long and how often: the whole takes about three minutes.
+/// How long and how often: the whole takes about two minutes, nearly all of it measuring. With plots, and the usual
+/// number of resamples, criterion would reckon longer than it measures. Samples are short, so that on a machine that
+/// is shared the median is of one that was not interrupted.
 fn brief(group: &mut BenchmarkGroup<WallTime>) {
     group
         .throughput(Throughput::Elements(LANES as u64))
-        .sample_size(40)
-        .warm_up_time(Duration::from_millis(200))
-        .measurement_time(Duration::from_millis(1200));
+        .sampling_mode(SamplingMode::Flat)
+        .sample_size(100)
+        .nresamples(2000)
+        .warm_up_time(Duration::from_millis(150))
+        .measurement_time(Duration::from_millis(700));
 }
 
 fn kernels(criterion: &mut Criterion) {
@@ -174,7 +179,11 @@ fn table(medians: &Medians) -> String {
     text
 }
 
-criterion_group!(benches, kernels, mathematics);
+criterion_group! {
+    name = benches;
+    config = Criterion::default().without_plots();
+    targets = kernels, mathematics
+}
 
 fn main() {
     let start = SystemTime::now();
