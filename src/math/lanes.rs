@@ -1,7 +1,7 @@
 //! The functions over slices.
 
 use super::{round, trigonometric};
-use crate::lanes::{Arg, Isa, any1, map1, map2};
+use crate::lanes::{Arg, Isa, Kernel, any1, map1, map2};
 
 /// Slice forms of functions that are one loop.
 macro_rules! lanes {
@@ -33,11 +33,24 @@ macro_rules! lanes2 {
 
 lanes2! { atan2_lanes = atan2; pow_lanes = pow; hypot_lanes = hypot; }
 
+/// The largest size among the lanes; a NaN counts as larger than all. Cheaper than to ask each lane if it is far.
+struct Largest<'a>(&'a [f32]);
+
+impl Kernel for Largest<'_> {
+    type Output = f32;
+    #[inline(always)]
+    fn run(self) -> f32 {
+        // Sizes have the order of their bits, as integers with sign too, which every instruction set can compare.
+        let largest = self.0.iter().fold(0, |largest: i32, x| largest.max(x.abs().to_bits() as i32));
+        f32::from_bits(largest as u32)
+    }
+}
+
 /// The fast loop over all lanes, then the slow function for those lanes that it cannot do.
 #[inline(always)]
 fn repaired(isa: Isa, a: &[f32], out: &mut [f32], near: impl Fn(f32) -> f32 + Copy, far: fn(f32) -> f32) {
     map1(isa, a, out, near);
-    if any1(isa, a, trigonometric::is_far) {
+    if trigonometric::is_far(isa.run(Largest(a))) {
         for (x, out) in a.iter().zip(out).filter(|(x, _)| trigonometric::is_far(**x)) {
             *out = far(*x);
         }

@@ -123,6 +123,25 @@ fn unary_functions_are_accurate() {
 }
 
 #[test]
+fn angles_are_reduced_accurately() {
+    const LIMIT: f32 = 8192.0;
+    // A part of all bit patterns, and the neighbours of zeros and poles, where the reduction cancels most.
+    let mut angles: Vec<f32> = (0..=LIMIT.to_bits()).step_by(4099).map(f32::from_bits).collect();
+    for k in 1..=(f64::from(LIMIT) * std::f64::consts::FRAC_2_PI) as u32 {
+        let bits = ((f64::from(k) * std::f64::consts::FRAC_PI_2) as f32).to_bits();
+        angles.extend((bits - 2..=bits + 2).map(f32::from_bits));
+    }
+    for &(name, function, _, truth, allowed) in &UNARY[..3] {
+        let mirrored = if name == "cos" { 1.0 } else { -1.0 };
+        for &x in &angles {
+            let (got, error) = (function(x), ulps(function(x), truth(f64::from(x))));
+            assert!(error <= allowed, "{name}({x:e}) = {got:e}: {error} ulp");
+            assert_eq!(function(-x).to_bits(), (mirrored * got).to_bits(), "{name}({:e})", -x);
+        }
+    }
+}
+
+#[test]
 fn binary_functions_are_accurate() {
     let numbers = random(200_000);
     let mut pairs: Vec<(f32, f32)> = numbers.chunks_exact(2).map(|p| (p[0], p[1])).collect();
