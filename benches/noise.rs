@@ -1,17 +1,37 @@
-//! The noise kernels on batches of 512 scattered points, in one run: divide the times by 512.
+//! What noise costs: every kind and its derivative at points of three dimensions, in batches as the evaluator's, on one
+//! thread; beside it Perlin noise of the crate `noise`, called point by point; and the mathematics of `pse::math`.
 //!
-//! `baseline` is the same loop compiled for every machine of the target; `one point a call` is what an
-//! evaluator without batches would pay.
+//! *Scattered* points are even in ±100; *coherent* ones lie as a picture's: on scan lines of a plane through
+//! space, 64 points a unit. Times are those of a point. `UPDATE=1 cargo bench --bench noise` writes the medians into
+//! `docs/performance.md`.
 
+#[path = "table/mod.rs"]
+mod table;
+
+use std::fmt::Write;
 use std::hint::black_box;
+use std::time::{Duration, SystemTime};
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{
+    BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, measurement::WallTime,
+};
+use noise::{NoiseFn, Perlin};
 use pse::lanes::{Arg, Isa};
 use pse::math;
-use pse::noise::{KINDS, Params, random};
+use pse::noise::{Field, KINDS, Kind, Opt, Params, random};
+use table::Medians;
 
-const LANES: usize = 512;
+const LANES: usize = pse::BATCH;
+/// So many batches take turns, lest the processor learn the branches of one by heart.
+const BATCHES: usize = 16;
 
+/// What lies where: the names of the two groups.
+const PLACES: [&str; 2] = ["noise scattered", "noise coherent"];
+
+/// A batch of points of up to four coordinates.
+type Batch = [Vec<f32>; 4];
+
+/// Numbers even in ±100.
 fn scattered(seed: u32) -> Vec<f32> {
     let mut points = vec![0.0; LANES];
     let lanes: Vec<f32> = (0..LANES).map(|i| i as f32).collect();
@@ -20,30 +40,108 @@ fn scattered(seed: u32) -> Vec<f32> {
     points
 }
 
+/// The batches of scattered points.
+fn clouds() -> Vec<Batch> {
+    (0..BATCHES as u32).map(|batch| std::array::from_fn(|k| scattered(4 * batch + k as u32))).collect()
+}
+
+/// The batches of a picture of 512 points a line: of a slanting plane, all at one time.
+fn pictures() -> Vec<Batch> {
+    const WIDTH: usize = 512;
+    let (right, down) = ([2.0, 1.0, 2.0].map(|x| x / 3.0), [-2.0, 2.0, 1.0].map(|x| x / 3.0));
+    let corner = [-37.3, 12.8, 5.1];
+    let coordinate = |pixel: usize, k: usize| {
+        let (column, line) = ((pixel % WIDTH) as f32 / 64.0, (pixel / WIDTH) as f32 / 64.0);
+        if k < 3 { corner[k] + column * right[k] + line * down[k] } else { 7.3 }
+    };
+    let batch =
+        |first: usize| std::array::from_fn(|k| (0..LANES).map(|lane| coordinate(first + lane, k)).collect());
+    (0..BATCHES).map(|b| batch(b * LANES)).collect()
+}
+
+/// A row of the table: a name, and what is measured.
+struct Row {
+    name: String,
+    dimensions: usize,
+    isa: Isa,
+    field: std::sync::Arc<dyn Field>,
+}
+
+/// All rows but that of the crate `noise`, which comes last.
+fn rows() -> Vec<Row> {
+    let row = |name: &str, kind: &'static Kind, dimensions: usize, isa: Isa, params: &Params| {
+        let field = kind.field(dimensions, params).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        Row { name: name.to_string(), dimensions, isa, field }
+    };
+    let (isa, plain) = (Isa::detect(), Params::default());
+    let named = |name: &str| Kind::from_name(name).unwrap_or_else(|| panic!("no {name}"));
+    let mut rows: Vec<Row> =
+        KINDS.iter().map(|kind| row(kind.name, kind, kind.usual_dimensions(), isa, &plain)).collect();
+    let sparse = plain.clone().with(Opt::Density, &[1.0]);
+    rows.push(row("sparse_convolution, density = 1", named("sparse_convolution"), 3, isa, &sparse));
+    for d in [1, 2, 4] {
+        rows.push(row(&format!("gradient, {d}-D"), named("gradient"), d, isa, &plain));
+    }
+    rows.push(row("gradient, baseline", named("gradient"), 3, Isa::baseline(), &plain));
+    rows
+}
+
+/// The row of the crate `noise`.
+const CRATE: &str = "Perlin of the crate noise";
+
+/// How long and how often: the whole takes about two minutes, nearly all of it measuring. With plots, and the usual
+/// number of resamples, criterion would reckon longer than it measures. Samples are short, so that on a machine that
+/// is shared the median is of one that was not interrupted.
+fn brief(group: &mut BenchmarkGroup<WallTime>) {
+    group
+        .throughput(Throughput::Elements(LANES as u64))
+        .sampling_mode(SamplingMode::Flat)
+        .sample_size(100)
+        .nresamples(2000)
+        .warm_up_time(Duration::from_millis(150))
+        .measurement_time(Duration::from_millis(700));
+}
+
 fn kernels(criterion: &mut Criterion) {
-    let (x, y, z) = (scattered(1), scattered(2), scattered(3));
-    let p: [&[f32]; 3] = [&x, &y, &z];
-    let mut out = [vec![0.0; LANES], vec![0.0; LANES], vec![0.0; LANES]];
-    for isa in [Isa::detect(), Isa::baseline()] {
-        let mut group = criterion.benchmark_group(format!("noise {}", isa.name()));
-        group.throughput(Throughput::Elements(LANES as u64));
-        for kind in KINDS {
-            let name = kind.name;
-            for d in 1..=3 {
-                let Ok(field) = kind.field(d, &Params::default()) else { continue };
-                group.bench_function(format!("{name} {d}-D"), |b| {
-                    b.iter(|| field.noise(isa, black_box(&p[..d]), &mut out[0]));
+    let rows = rows();
+    for (place, batches) in PLACES.into_iter().zip([clouds(), pictures()]) {
+        let mut group = criterion.benchmark_group(place);
+        brief(&mut group);
+        let mut out: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; LANES]);
+        for Row { name, dimensions, isa, field } in &rows {
+            let mut turns = batches.iter().cycle();
+            group.bench_function(name.as_str(), |b| {
+                b.iter(|| {
+                    let p = turns.next().expect("a cycle").each_ref().map(Vec::as_slice);
+                    field.noise(*isa, black_box(&p[..*dimensions]), black_box(&mut out[0]));
                 });
-            }
-            let Ok(field) = kind.field(3, &Params::default()) else { continue };
-            group.bench_function(format!("{name} derivative"), |b| {
-                let [dx, dy, dz] = &mut out;
-                b.iter(|| field.derivative(isa, black_box(&p), &mut [&mut *dx, &mut *dy, &mut *dz]));
+            });
+            group.bench_function(derivative(name), |b| {
+                b.iter(|| {
+                    let p = turns.next().expect("a cycle").each_ref().map(Vec::as_slice);
+                    let mut out = out.each_mut().map(Vec::as_mut_slice);
+                    field.derivative(*isa, black_box(&p[..*dimensions]), black_box(&mut out[..*dimensions]));
+                });
             });
         }
-        group.bench_function("random", |b| b.iter(|| random::random(isa, black_box(&p), 0, &mut out[0])));
+        let perlin = Perlin::new(0);
+        let mut turns = batches.iter().cycle();
+        group.bench_function(CRATE, |b| {
+            b.iter(|| {
+                let [x, y, z, _] = turns.next().expect("a cycle");
+                for (i, out) in out[0].iter_mut().enumerate() {
+                    *out = perlin.get([x[i], y[i], z[i]].map(f64::from)) as f32;
+                }
+                black_box(&mut out[0]);
+            });
+        });
         group.finish();
     }
+}
+
+/// The benchmark of a row's derivative.
+fn derivative(name: &str) -> String {
+    format!("{name}: Dnoise")
 }
 
 fn mathematics(criterion: &mut Criterion) {
@@ -51,7 +149,7 @@ fn mathematics(criterion: &mut Criterion) {
     let mut out = vec![0.0; LANES];
     for isa in [Isa::detect(), Isa::baseline()] {
         let mut group = criterion.benchmark_group(format!("math {}", isa.name()));
-        group.throughput(Throughput::Elements(LANES as u64));
+        brief(&mut group);
         group.bench_function("sin", |b| b.iter(|| math::sin_lanes(isa, black_box(&x), &mut out)));
         group.bench_function("exp", |b| b.iter(|| math::exp_lanes(isa, black_box(&x), &mut out)));
         group.bench_function("log", |b| b.iter(|| math::log_lanes(isa, black_box(&x), &mut out)));
@@ -62,5 +160,37 @@ fn mathematics(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, kernels, mathematics);
-criterion_main!(benches);
+/// The rows in nanoseconds a point, and as ratios to `gradient` at the same points.
+fn table(medians: &Medians) -> String {
+    let mut text = String::from(
+        "| | Noise, scattered | ratio | Noise, coherent | ratio | Dnoise, scattered | ratio | Dnoise, coherent | ratio |\n\
+         |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    let cell = |place: &str, name: &str| {
+        let time = medians.of(place, name);
+        let places = usize::from(time < 100.0) + usize::from(time < 10.0);
+        format!(" {time:.places$} | {:.2} |", time / medians.of(place, "gradient"))
+    };
+    let both = |name: &str| PLACES.map(|place| cell(place, name)).concat();
+    for Row { name, .. } in rows() {
+        let _ = writeln!(text, "| {name} |{}{}", both(&name), both(&derivative(&name)));
+    }
+    let _ = writeln!(text, "| {CRATE} |{} | | | |", both(CRATE));
+    text
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().without_plots();
+    targets = kernels, mathematics
+}
+
+fn main() {
+    let start = SystemTime::now();
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+    let medians = Medians::since(start);
+    if !medians.is_empty() {
+        table::update("noise", || table(&medians));
+    }
+}

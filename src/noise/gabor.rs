@@ -27,7 +27,7 @@ pub static KIND: Kind = Kind {
         smoothness: Smoothness::C1,
         cost: 190.0,
         source: "Lagae et al. 2009, section 3",
-        remarks: "Unbounded in principle; of a million points one is beyond ±1.8, and one of a thousand beyond ±1.05. \
+        remarks: "Unbounded in principle; of a million points one is beyond ±1.7, and one of a thousand beyond ±1.05. \
                   By default frequency is 1 and bandwidth one octave, between the frequencies of half the amplitude; \
                   waves go along random directions; density is such that eight impulses lie in the Gaussian's \
                   volume. Waves reach 1.69 units then, and further at lower frequencies or less bandwidth: where they \

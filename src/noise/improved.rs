@@ -30,7 +30,7 @@ pub static KIND: Kind = Kind {
                   spares multiplications, and keeps gradients off the axes. Here they are even over the \
                   sphere, as for `gradient`, so that no direction is preferred. Twice the energy of \
                   `gradient`, 2.7 %, lies above one cycle a unit: the price of steeper weights. Of four \
-                  million points all were within ±0.82.",
+                  million points all were within ±0.83.",
     },
     make: |d, params| lattice_field!(d, params, [1 2 3 4], Tiled |lattice| Linear::<Improved, _, _>::new(lattice)),
 };

@@ -222,9 +222,9 @@ struct Slopes<const D: usize> {
 
 #[inline(always)]
 fn store(out: &mut [f32], row: &Row<f32>) {
-    match out.as_mut_array::<TILE>() {
-        Some(out) => *out = *row,
-        None => out.copy_from_slice(&row[..out.len()]),
+    match <&mut Row<f32>>::try_from(&mut *out) {
+        Ok(out) => *out = *row,
+        Err(_) => out.copy_from_slice(&row[..out.len()]),
     }
 }
 

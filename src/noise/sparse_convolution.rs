@@ -31,7 +31,7 @@ pub static KIND: Kind = Kind {
         smoothness: Smoothness::C1,
         cost: 13.0,
         source: "Lewis 1989, section 4; Peachey, \"Sparse Convolution Noise\"",
-        remarks: "Unbounded in principle; of a million points one is beyond ±2.1, and one of a thousand beyond ±1.14. \
+        remarks: "Unbounded in principle; of a million points one is beyond ±1.9, and one of a thousand beyond ±1.14. \
                   By default density is 3 and the kernel `cosine`, ½ + ½ cos πr; `gaussian` has deviation ⅓; both \
                   reach one unit, as do `knots`, of which the last must be 0. `catmull_rom` reaches two, so it \
                   takes five times as long. `gabor` is the Gaussian times a cosine of `frequency`, by default 1, along \

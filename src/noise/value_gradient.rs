@@ -30,9 +30,10 @@ pub static KIND: Kind = Kind {
         smoothness: Smoothness::C1,
         cost: 2.4,
         source: "Peachey, \"Value-Gradient Noise\"",
-        remarks: "With `weights = [1 0]` it is `value` of the same seed, with `[0 1]` a `gradient` of \
-                  another. By halves the value noise has 70 % of the energy; 34 % of the whole lies below \
-                  0.3 cycles a unit, 0.4 % above 1. Of four million points all were within ±1.02.",
+        remarks: "With `weights = [1 0]` it is `value` of the same seed, with `[0 1]` a gradient noise, unrelated \
+                  to `gradient` of that seed. By halves the value noise has 70 % of the energy; 34 % of the \
+                  whole lies below 0.3 cycles a unit, 0.4 % above 1. Of four million points all were within \
+                  ±1.02.",
     },
     make: |d, params| {
         let [value, gradient] = weights(params)?;

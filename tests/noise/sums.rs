@@ -77,6 +77,7 @@ fn turbulence_has_kinks_and_no_sign() {
         let ratio = turns.map(|[one, two]| one / two);
         println!("{kind}: fractalsum {:.3}, turbulence {:.3}", ratio[0], ratio[1]);
         assert!(ratio[0] < 0.6, "the slope of fractalsum of {kind} is continuous: {}", ratio[0]);
-        assert!(ratio[1] > 0.8, "the slope of turbulence of {kind} jumps: {}", ratio[1]);
+        // A kink half-way between samples turns two thirds as much within a step as within two, any other more.
+        assert!(ratio[1] > 0.65, "the slope of turbulence of {kind} jumps: {}", ratio[1]);
     }
 }
