@@ -1,0 +1,61 @@
+//! The workload `straight`: two hundred assignments.
+
+use super::frame::{Workload, part, planes, run};
+use pse::Image;
+use pse::lanes::Isa;
+use std::array::from_fn;
+use std::ops::Range;
+
+/// `straight.pse`
+pub fn straight(isa: Isa, image: &Image<'_>) -> Vec<Vec<f32>> {
+    let [.., z] = planes::<3>(image, "normal");
+    let [a, b, c] = planes(image, "point");
+    run(isa, image, Straight([a, b, c, z]))
+}
+
+struct Straight<'a>([&'a [f32]; 4]);
+
+/// So many lanes at a time: each assignment waits for the one before, so that the processor needs those of several
+/// vectors to be busy, and as many as keep their four variables in registers.
+const TOGETHER: usize = 24;
+
+type Lanes = [f32; TOGETHER];
+
+/// The program has the four lines of a round so many times.
+const ROUNDS: usize = 49;
+
+#[inline(always)]
+fn rounds([mut a, mut b, mut c, mut d]: [Lanes; 4]) -> [Lanes; 3] {
+    for _ in 0..ROUNDS {
+        a = from_fn(|i| a[i] * 0.99 + b[i]);
+        b = from_fn(|i| b[i] * 0.99 - a[i]);
+        c = from_fn(|i| c[i] * 0.95 + a[i]);
+        d = from_fn(|i| b[i] - d[i] * 0.95);
+    }
+    [a, b, c].map(|x| from_fn(|i| 0.1 * (x[i] + d[i])))
+}
+
+impl Workload<3> for Straight<'_> {
+    #[inline(always)]
+    fn block(&mut self, _: Isa, at: Range<usize>, mut out: [&mut [f32]; 3]) {
+        let planes = part(self.0, &at);
+        let n = at.len();
+        for start in (0..n).step_by(TOGETHER) {
+            let end = (start + TOGETHER).min(n);
+            let color = rounds(planes.map(|plane| {
+                let mut lanes = [0.0; TOGETHER];
+                match plane[start..end].try_into() {
+                    Ok(whole) => lanes = whole,
+                    Err(_) => lanes[..end - start].copy_from_slice(&plane[start..end]),
+                }
+                lanes
+            }));
+            for (out, color) in out.iter_mut().zip(&color) {
+                match out[start..end].as_mut_array() {
+                    Some(out) => *out = *color,
+                    None => out[start..end].copy_from_slice(&color[..end - start]),
+                }
+            }
+        }
+    }
+}
