@@ -204,7 +204,14 @@ fn report() -> String {
     table::markdown(&header, &rows.collect::<Vec<_>>())
 }
 
+/// Lets the allocator keep what was freed: it gives back large blocks to the system until it has seen a still larger
+/// one freed. Otherwise some runs, and others not, would pay for pages that the system clears.
+fn keep_memory() {
+    drop(black_box(vec![1_u8; 31 << 20]));
+}
+
 fn main() {
+    keep_memory();
     let mut criterion = Criterion::default().without_plots().configure_from_args();
     measure(&mut criterion);
     criterion.final_summary();

@@ -1,6 +1,6 @@
 //! The workloads that are one loop over the planes: diffuse, over, recursive.
 
-use super::frame::{Workload, each, hits, lit, max, min, norm, part, plane, planes, run};
+use super::frame::{Formula, Workload, each, each_of, hits, lit, max, min, norm, part, plane, planes, run};
 use pse::Image;
 use pse::lanes::Isa;
 use std::ops::Range;
@@ -70,21 +70,27 @@ struct Recursive<'a> {
 
 const FOLDS: usize = 5;
 
-/// All folds there may be in all lanes, and then which of them count.
-#[inline(always)]
-fn folded(mut p: [f32; 3]) -> f32 {
-    let mut distances = [0.0; FOLDS];
-    for d in &mut distances {
-        let q = p.map(|x| x.abs() - 0.4);
-        *d = norm(q) - 0.2;
-        p = [1.5 * q[1], 1.5 * q[2], 1.5 * q[0]];
+struct Folded;
+
+impl Formula<4, 3> for Folded {
+    #[inline(always)]
+    fn of(&self, [surface, x, y, z]: [f32; 4]) -> [f32; 3] {
+        // All folds there may be, in every lane, and then which of them count.
+        let mut p = [2.0 * x, 2.0 * y, 2.0 * z];
+        let distances: [f32; FOLDS] = std::array::from_fn(|_| {
+            let q = p.map(|x| x.abs() - 0.4);
+            p = [1.5 * q[1], 1.5 * q[2], 1.5 * q[0]];
+            norm(q) - 0.2
+        });
+        let mut nearest = distances[FOLDS - 1];
+        for k in (0..FOLDS - 1).rev() {
+            let with = min(distances[k], nearest / 1.5);
+            nearest = if distances[k] > 1.0 { distances[k] } else { with };
+        }
+        let near = max(0.0, 1.0 - 3.0 * nearest.abs());
+        let color = [near, 0.9 * near, 0.8 * near];
+        if surface == 1.0 { color } else { [0.0; 3] }
     }
-    let mut nearest = distances[FOLDS - 1];
-    for &d in distances[..FOLDS - 1].iter().rev() {
-        let with = min(d, nearest / 1.5);
-        nearest = if d > 1.0 { d } else { with };
-    }
-    nearest
 }
 
 impl Workload<3> for Recursive<'_> {
@@ -96,10 +102,6 @@ impl Workload<3> for Recursive<'_> {
             return;
         }
         let [x, y, z] = part(self.point, &at);
-        each([surface, x, y, z], out, |[surface, x, y, z]| {
-            let near = max(0.0, 1.0 - 3.0 * folded([2.0 * x, 2.0 * y, 2.0 * z]).abs());
-            let color = [near, 0.9 * near, 0.8 * near];
-            if surface == 1.0 { color } else { [0.0; 3] }
-        });
+        each_of([surface, x, y, z], out, Folded);
     }
 }

@@ -125,12 +125,37 @@ pub fn hits(surface: &[f32]) -> usize {
 /// So many lanes are computed at a time, into buffers of which the compiler knows that they are apart.
 const STRIP: usize = 32;
 
-/// `out[..][i] = f(inputs[..][i])`. `f` should be a closure of a few lines or `#[inline(always)]`.
+/// What is computed of a lane's numbers. Must be `#[inline(always)]`.
+pub trait Formula<const N: usize, const OUT: usize> {
+    fn of(&self, lane: [f32; N]) -> [f32; OUT];
+}
+
+struct Closure<F>(F);
+
+impl<F: Fn([f32; N]) -> [f32; OUT], const N: usize, const OUT: usize> Formula<N, OUT> for Closure<F> {
+    #[inline(always)]
+    fn of(&self, lane: [f32; N]) -> [f32; OUT] {
+        self.0(lane)
+    }
+}
+
+/// Computes a closure of a few lines in each lane. The compiler would call a large one, and then nothing of it would
+/// be vectorised: that must be a [`Formula`].
 #[inline(always)]
 pub fn each<const N: usize, const OUT: usize>(
     inputs: [&[f32]; N],
-    mut out: [&mut [f32]; OUT],
+    out: [&mut [f32]; OUT],
     f: impl Fn([f32; N]) -> [f32; OUT],
+) {
+    each_of(inputs, out, Closure(f));
+}
+
+/// Computes a formula in each lane.
+#[inline(always)]
+pub fn each_of<const N: usize, const OUT: usize>(
+    inputs: [&[f32]; N],
+    mut out: [&mut [f32]; OUT],
+    formula: impl Formula<N, OUT>,
 ) {
     let n = out[0].len();
     let inputs = inputs.map(|plane| &plane[..n]);
@@ -140,7 +165,7 @@ pub fn each<const N: usize, const OUT: usize>(
             from_fn(|k| inputs[k][start..].first_chunk().expect("it is within the planes"));
         let mut results = [[0.0; STRIP]; OUT];
         for i in 0..STRIP {
-            let result = f(from_fn(|k| strips[k][i]));
+            let result = formula.of(from_fn(|k| strips[k][i]));
             for k in 0..OUT {
                 results[k][i] = result[k];
             }
@@ -150,7 +175,7 @@ pub fn each<const N: usize, const OUT: usize>(
         }
     }
     for i in whole..n {
-        let result = f(from_fn(|k| inputs[k][i]));
+        let result = formula.of(from_fn(|k| inputs[k][i]));
         for k in 0..OUT {
             out[k][i] = result[k];
         }

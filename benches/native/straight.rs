@@ -3,7 +3,6 @@
 use super::frame::{Workload, part, planes, run};
 use pse::Image;
 use pse::lanes::Isa;
-use std::array::from_fn;
 use std::ops::Range;
 
 /// `straight.pse`
@@ -19,21 +18,8 @@ struct Straight<'a>([&'a [f32]; 4]);
 /// vectors to be busy, and as many as keep their four variables in registers.
 const TOGETHER: usize = 24;
 
-type Lanes = [f32; TOGETHER];
-
 /// The program has the four lines of a round so many times.
 const ROUNDS: usize = 49;
-
-#[inline(always)]
-fn rounds([mut a, mut b, mut c, mut d]: [Lanes; 4]) -> [Lanes; 3] {
-    for _ in 0..ROUNDS {
-        a = from_fn(|i| a[i] * 0.99 + b[i]);
-        b = from_fn(|i| b[i] * 0.99 - a[i]);
-        c = from_fn(|i| c[i] * 0.95 + a[i]);
-        d = from_fn(|i| b[i] - d[i] * 0.95);
-    }
-    [a, b, c].map(|x| from_fn(|i| 0.1 * (x[i] + d[i])))
-}
 
 impl Workload<3> for Straight<'_> {
     #[inline(always)]
@@ -42,17 +28,28 @@ impl Workload<3> for Straight<'_> {
         let n = at.len();
         for start in (0..n).step_by(TOGETHER) {
             let end = (start + TOGETHER).min(n);
-            let color = rounds(planes.map(|plane| {
-                let mut lanes = [0.0; TOGETHER];
-                match plane[start..end].try_into() {
-                    Ok(whole) => lanes = whole,
-                    Err(_) => lanes[..end - start].copy_from_slice(&plane[start..end]),
+            let mut lanes = [[0.0; TOGETHER]; 4];
+            for (lanes, plane) in lanes.iter_mut().zip(planes) {
+                match plane[start..end].as_array() {
+                    Some(whole) => *lanes = *whole,
+                    None => lanes[..end - start].copy_from_slice(&plane[start..end]),
                 }
-                lanes
-            }));
-            for (out, color) in out.iter_mut().zip(&color) {
+            }
+            let [mut a, mut b, mut c, mut d] = lanes;
+            for _ in 0..ROUNDS {
+                for i in 0..TOGETHER {
+                    a[i] = a[i] * 0.99 + b[i];
+                    b[i] = b[i] * 0.99 - a[i];
+                    c[i] = c[i] * 0.95 + a[i];
+                    d[i] = b[i] - d[i] * 0.95;
+                }
+            }
+            for (out, mut color) in out.iter_mut().zip([a, b, c]) {
+                for i in 0..TOGETHER {
+                    color[i] = 0.1 * (color[i] + d[i]);
+                }
                 match out[start..end].as_mut_array() {
-                    Some(out) => *out = *color,
+                    Some(out) => *out = color,
                     None => out[start..end].copy_from_slice(&color[..end - start]),
                 }
             }
