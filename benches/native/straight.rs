@@ -30,9 +30,9 @@ impl Workload<3> for Straight<'_> {
             let end = (start + TOGETHER).min(n);
             let mut lanes = [[0.0; TOGETHER]; 4];
             for (lanes, plane) in lanes.iter_mut().zip(planes) {
-                match plane[start..end].as_array() {
-                    Some(whole) => *lanes = *whole,
-                    None => lanes[..end - start].copy_from_slice(&plane[start..end]),
+                match plane[start..end].try_into() {
+                    Ok(whole) => *lanes = whole,
+                    Err(_) => lanes[..end - start].copy_from_slice(&plane[start..end]),
                 }
             }
             let [mut a, mut b, mut c, mut d] = lanes;
@@ -48,7 +48,7 @@ impl Workload<3> for Straight<'_> {
                 for i in 0..TOGETHER {
                     color[i] = 0.1 * (color[i] + d[i]);
                 }
-                match out[start..end].as_mut_array() {
+                match out[start..end].first_chunk_mut() {
                     Some(out) => *out = color,
                     None => out[start..end].copy_from_slice(&color[..end - start]),
                 }
