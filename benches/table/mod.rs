@@ -73,19 +73,33 @@ fn median(folder: &Path, start: SystemTime) -> Option<(String, f64)> {
     Some((benchmark["full_id"].as_str()?.to_string(), median / elements))
 }
 
-/// Puts a table into `docs/performance.md`, between its two marks, if `UPDATE=1` asks for it.
+/// A table in Markdown.
+pub fn markdown<H: AsRef<str>, R: AsRef<str>>(header: &[H], rows: &[Vec<R>]) -> String {
+    let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
+    let mut text = format!("| {} |\n|{}\n", header.join(" | "), "---|".repeat(header.len()));
+    for row in rows {
+        let cells: Vec<&str> = row.iter().map(AsRef::as_ref).collect();
+        text.push_str(&format!("| {} |\n", cells.join(" | ")));
+    }
+    text
+}
+
+/// Puts text between the lines `<!-- NAME begin -->` and `<!-- NAME end -->` of `docs/performance.md`, if `UPDATE=1`
+/// asks for it.
 ///
 /// # Panics
-/// If the document has no such marks, or can't be read and written.
-pub fn update(mark: &str, table: impl FnOnce() -> String) {
+/// If the document has no such lines, or can't be read and written.
+pub fn update(name: &str, text: impl FnOnce() -> String) {
     if std::env::var_os("UPDATE").is_none() {
         return;
     }
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/performance.md");
     let document = std::fs::read_to_string(path).expect("docs/performance.md");
-    let (open, close) = (format!("<!-- {mark} -->\n"), format!("<!-- end of {mark} -->"));
-    let start = document.find(&open).unwrap_or_else(|| panic!("{path} has no {open}")) + open.len();
-    let end = document.find(&close).unwrap_or_else(|| panic!("{path} has no {close}"));
-    let written = format!("{}{}{}", &document[..start], table(), &document[end..]);
+    let (begin, end) = (format!("<!-- {name} begin -->\n"), format!("<!-- {name} end -->"));
+    let parts =
+        document.split_once(&begin).and_then(|(before, rest)| Some((before, rest.split_once(&end)?.1)));
+    let (before, after) = parts.unwrap_or_else(|| panic!("{path} has no place called {name}"));
+    // Blank lines, or Markdown would not see a table between comments.
+    let written = format!("{before}{begin}\n{}\n\n{end}{after}", text().trim_end());
     std::fs::write(path, written).expect("docs/performance.md can be written");
 }
