@@ -126,6 +126,9 @@ fn look_up<const W: usize>(isa: Isa, table: &[[f32; W]], at: &[f32], along: &[f3
     }
 }
 
+/// So few pieces are all looked at.
+const FEW: usize = 12;
+
 /// The most pieces of a short table.
 const SHORT: usize = 64;
 
@@ -208,10 +211,45 @@ impl<const W: usize> lanes::Kernel for Follow<'_, W> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for (out, &t) in self.out.iter_mut().zip(self.t) {
-            let [at, x] = locate(t, self.last);
-            let piece = at as i32 as usize & (SHORT - 1);
-            *out = horner::<W>(from_fn(|k| self.table[k][piece]), x);
+        const LANES: usize = 32;
+        let pieces = self.last as usize;
+        for (out, t) in self.out.chunks_mut(LANES).zip(self.t.chunks(LANES)) {
+            let mut strip = [0.0; LANES];
+            strip[..t.len()].copy_from_slice(t);
+            let (mut at, mut along, mut row) = ([0.0; LANES], [0.0; LANES], [[0_u32; LANES]; W]);
+            for i in 0..LANES {
+                [at[i], along[i]] = locate(strip[i], self.last);
+            }
+            if pieces <= FEW {
+                // To go through all pieces eight lanes at a time is faster than to look one up for each lane.
+                for piece in 0..pieces {
+                    let number = piece as f32;
+                    let mut here = [0_u32; LANES];
+                    for i in 0..LANES {
+                        here[i] = if at[i] == number { !0 } else { 0 };
+                    }
+                    for k in 0..W {
+                        let bits = self.table[k][piece].to_bits();
+                        let mut coefficients = row[k];
+                        for i in 0..LANES {
+                            coefficients[i] |= bits & here[i];
+                        }
+                        row[k] = coefficients;
+                    }
+                }
+            } else {
+                for i in 0..LANES {
+                    for k in 0..W {
+                        row[k][i] = self.table[k][at[i] as i32 as usize & (SHORT - 1)].to_bits();
+                    }
+                }
+            }
+            let mut result = [0.0; LANES];
+            for i in 0..LANES {
+                result[i] = horner::<W>(from_fn(|k| f32::from_bits(row[k][i])), along[i]);
+            }
+            let n = out.len();
+            out.copy_from_slice(&result[..n]);
         }
     }
 }

@@ -147,6 +147,9 @@ impl<'r> Machine<'r> {
 
     /// How many of a variable's planes differ from lane to lane.
     fn varying(&self, place: Place) -> usize {
+        if let Some((variable, _)) = self.untouched(place) {
+            return variable.planes.len();
+        }
         let slot = match place {
             Place::Global(i) => &self.globals[i as usize],
             Place::Local(i) => &self.locals[self.base + i as usize],

@@ -1,10 +1,11 @@
 //! The state of one thread's evaluation: variables, calls, and the count of steps.
 
-use super::bind::Bound;
+use super::bind::{Bound, Source};
 use super::fault::{Fault, Result};
 use super::limits::Limits;
 use super::plan::Plans;
 use crate::diagnostic::{Diagnostic, Span};
+use crate::image::Variable;
 use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::*;
@@ -67,6 +68,10 @@ pub(super) struct Machine<'r> {
     /// Lanes of the batch that runs.
     pub n: usize,
     pub globals: Vec<Slot>,
+    /// Which of them are still to be filled from the image.
+    pending: Vec<bool>,
+    /// Where the batch's pixels are.
+    pixels: Batch,
     pub locals: Vec<Slot>,
     /// Where the running call's locals begin.
     pub base: usize,
@@ -110,6 +115,8 @@ impl<'r> Machine<'r> {
             cancel,
             n: 1,
             globals: vec![Slot::EMPTY; program.globals.len()],
+            pending: vec![false; program.globals.len()],
+            pixels: Batch::Run(0, 0),
             locals: Vec::new(),
             base: 0,
             loops: Vec::new(),
@@ -279,7 +286,10 @@ impl<'r> Machine<'r> {
     /// The slot of a variable.
     pub fn slot(&mut self, place: Place) -> &mut Slot {
         match place {
-            Place::Global(i) => &mut self.globals[i as usize],
+            Place::Global(i) => {
+                self.settle(i as usize);
+                &mut self.globals[i as usize]
+            }
             Place::Local(i) => &mut self.locals[self.base + i as usize],
         }
     }
@@ -306,6 +316,9 @@ impl<'r> Machine<'r> {
     /// A variable's value, which every active lane must have.
     pub fn read(&mut self, place: Place, span: Span, mask: &Mask) -> Result<&Value> {
         let (n, width) = (self.n, self.width());
+        if let Place::Global(i) = place {
+            self.settle(i as usize);
+        }
         let slot = match place {
             Place::Global(i) => &self.globals[i as usize],
             Place::Local(i) => &self.locals[self.base + i as usize],
@@ -389,15 +402,70 @@ impl<'r> Machine<'r> {
         Err(self.fault(error, 0))
     }
 
-    /// Fills the variables that the program may change, and those that differ from pixel to pixel.
+    /// Begins with the variables of these pixels: fills those that the program may change. Those that differ from
+    /// pixel to pixel are filled when they are first looked at.
     pub fn load(&mut self, pixels: Pixels<'_>) {
-        let n = pixels.len();
+        self.pixels = match pixels {
+            Pixels::Run(start, n) => Batch::Run(start, n),
+            Pixels::List(list) => Batch::List(list.into()),
+        };
         for (i, global) in self.program.globals.iter().enumerate() {
             let source = &self.bound.sources[i];
+            self.pending[i] = source.varies();
             // What nobody changes stays from batch to batch.
-            if global.assigned.is_some() || source.varies() || self.globals[i].value.is_none() {
-                self.globals[i] = source.slot(pixels, n, self.bound);
+            if self.pending[i] {
+                self.globals[i] = Slot::EMPTY;
+            } else if global.assigned.is_some() || self.globals[i].value.is_none() {
+                self.globals[i] = source.slot(pixels, pixels.len(), self.bound);
             }
+        }
+    }
+
+    /// Fills an outer variable if it was not looked at yet.
+    #[inline]
+    fn settle(&mut self, i: usize) {
+        if self.pending[i] {
+            self.fill(i);
+        }
+    }
+
+    #[cold]
+    fn fill(&mut self, i: usize) {
+        self.pending[i] = false;
+        let pixels = match &self.pixels {
+            Batch::Run(start, n) => Pixels::Run(*start, *n),
+            Batch::List(list) => Pixels::List(list),
+        };
+        self.globals[i] = self.bound.sources[i].slot(pixels, pixels.len(), self.bound);
+    }
+
+    /// Fills what is wanted when the batch is done.
+    pub fn settle_outputs(&mut self) {
+        for i in 0..self.globals.len() {
+            if self.wanted(Place::Global(i as u32)) {
+                self.settle(i);
+            }
+        }
+    }
+
+    /// Forgets what an outer variable holds, which no lane wants any more.
+    pub fn forget(&mut self, place: Place) {
+        if let Place::Global(i) = place {
+            self.pending[i as usize] = false;
+        }
+    }
+
+    /// The image's variable that an outer variable still is, untouched, and the first pixel of the batch, if its
+    /// pixels follow each other.
+    pub fn untouched(&self, place: Place) -> Option<(&'r Variable<'r>, usize)> {
+        match (place, &self.pixels) {
+            (Place::Global(i), Batch::Run(start, n)) if self.pending[i as usize] && *n == self.n => {
+                match &self.bound.sources[i as usize] {
+                    Source::Input(variable) => Some((variable, *start)),
+                    _ => None,
+                }
+            }
+            _ => None,
         }
     }
 }
@@ -409,6 +477,12 @@ pub(super) fn blend(mask: &Mask, new: &Value, old: &Value, width: Width) -> Resu
     }
     let planes = new.planes.iter().zip(&old.planes).map(|(new, old)| mask.select(new, old, width)).collect();
     Ok(Value { shape: new.shape.clone(), planes })
+}
+
+/// The like, kept.
+enum Batch {
+    Run(usize, usize),
+    List(Box<[u32]>),
 }
 
 /// The pixels of a batch, as indices into an image's planes: in a row, or any.

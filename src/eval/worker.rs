@@ -68,6 +68,7 @@ impl<'r> Worker<'r> {
         if let Some(block) = machine.program.by_normal.as_ref().filter(|_| self.by_normal) {
             machine.block(block, &mask)?;
         }
+        machine.settle_outputs();
         Ok(())
     }
 

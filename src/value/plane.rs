@@ -5,15 +5,15 @@ use std::cell::RefCell;
 use std::fmt;
 use std::rc::Rc;
 
-/// Lanes that are taken together; two cache lines.
-const LINE: usize = 32;
+/// Lanes that are taken together; four cache lines.
+const LINE: usize = 64;
 
 /// Lanes on cache lines of their own, so that vector loads never straddle two.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 struct Line([f32; LINE]);
 
-// SAFETY: 32 floats fill the 128 bytes exactly; every bit pattern is a float.
+// SAFETY: 64 floats fill the 256 bytes exactly; every bit pattern is a float.
 unsafe impl Zeroable for Line {}
 // SAFETY: as above; `Line` is `Copy`, has no padding and no references.
 unsafe impl Pod for Line {}
@@ -85,7 +85,7 @@ impl Lanes {
         }
     }
 
-    /// All lanes that there is room for, in blocks of 32. Those beyond the first `n` mean nothing.
+    /// All lanes that there is room for, in blocks. Those beyond the first `n` mean nothing.
     pub fn blocks(&self) -> &[[f32; LINE]] {
         match &self.buffer {
             Some(buffer) => bytemuck::cast_slice(buffer),
@@ -205,7 +205,7 @@ mod tests {
         let before = live_bytes();
         let address = {
             let a = Lanes::new(100);
-            assert_eq!(live_bytes() - before, 4 * 128);
+            assert_eq!(live_bytes() - before, 2 * 256);
             a.get(1).as_ptr()
         };
         assert_eq!(live_bytes(), before);

@@ -1,7 +1,7 @@
 //! The active lanes of a batch, strip by strip.
 
-use super::strip::{STRIP, Strip};
-use crate::value::Mask;
+use super::strip::{BLOCK, STRIP, Strip};
+use crate::value::{Mask, Width};
 
 /// Where the lanes of a batch are that are on.
 pub enum Active {
@@ -17,24 +17,47 @@ pub enum Active {
 const SHORT: usize = 6;
 
 impl Active {
-    pub fn of(mask: &Mask, n: usize) -> Active {
+    pub fn of(mask: &Mask, width: Width) -> Active {
         let Mask::Some(on) = mask else {
-            return Active::All(if mask.is_none() { 0 } else { n });
+            return Active::All(if mask.is_none() { 0 } else { width.n });
         };
-        let mut runs: Vec<(u32, u32)> = Vec::new();
-        let (mut before, mut count) = (0, 0);
-        for (lane, &bits) in on.bits(n).iter().enumerate() {
-            if bits != 0 {
-                match runs.last_mut() {
-                    Some(run) if before != 0 => run.1 += 1,
-                    _ => runs.push((lane as u32, 1)),
-                }
-                count += 1;
-            }
-            before = bits;
+        let bits = on.bits(width.n);
+        // All bits of a lane are alike: as numbers they are 0 and -1.
+        let (count, ends) = width.isa.run(|| {
+            let count = bits.iter().fold(0_u32, |count, bits| count.wrapping_sub(*bits));
+            let ends = bits[1..].iter().zip(bits).fold(0_u32, |ends, (a, b)| ends.wrapping_sub(a ^ b));
+            (count as usize, ends as usize)
+        });
+        if (ends / 2 + 1) * SHORT > count { Active::list(bits, count) } else { Active::runs(bits, count) }
+    }
+
+    fn list(bits: &[u32], count: usize) -> Active {
+        // One more for a lane that is off after the last that is on.
+        let mut list = vec![0; count + 1];
+        let mut at = 0;
+        for (lane, &bits) in bits.iter().enumerate() {
+            list[at] = lane as u32;
+            at += (bits & 1) as usize;
         }
-        if runs.len() * SHORT > count {
-            return Active::List(runs.iter().flat_map(|&(start, n)| start..start + n).collect());
+        list.truncate(count);
+        Active::List(list)
+    }
+
+    fn runs(bits: &[u32], count: usize) -> Active {
+        let mut runs: Vec<(u32, u32)> = Vec::new();
+        let mut add = |start: usize, lanes: usize| match runs.last_mut() {
+            Some(run) if (run.0 + run.1) as usize == start => run.1 += lanes as u32,
+            _ => runs.push((start as u32, lanes as u32)),
+        };
+        for (k, bits) in bits.chunks(BLOCK).enumerate() {
+            // Most blocks are on or off as a whole.
+            let (any, all) = bits.iter().fold((0, !0), |(any, all), bits| (any | bits, all & bits));
+            if all != 0 {
+                add(k * BLOCK, bits.len());
+            } else if any != 0 {
+                let on = bits.iter().enumerate().filter(|(_, bits)| **bits != 0);
+                on.for_each(|(i, _)| add(k * BLOCK + i, 1));
+            }
         }
         Active::Runs(runs, count)
     }

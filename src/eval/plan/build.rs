@@ -351,6 +351,15 @@ impl<'m, 'r> Builder<'m, 'r> {
         if let Some(read) = self.reads.iter().find(|read| read.place == place) {
             return Ok(read.value.clone());
         }
+        if let Some((variable, _)) = self.machine.untouched(place) {
+            let (first, planes) = (self.inputs.len(), variable.planes.len());
+            let variables = self.reads.len();
+            self.inputs.extend((0..planes).map(|k| (variables, k)));
+            let cells = (first..first + planes).map(|i| Cell::Result(self.graph.add(Op::Input(i), &[], 1)));
+            let value = Val { shape: variable.shape.clone(), cells: cells.collect() };
+            self.reads.push(Read { place, value: value.clone() });
+            return Ok(value);
+        }
         let width = self.machine.width();
         let slot = self.machine.slot(place);
         if !self.mask.is_subset(&slot.defined, width) {

@@ -67,10 +67,14 @@ impl<'r> Machine<'r> {
         }
         let key = stmts.as_ptr().addr();
         if let Some(versions) = self.plans.found.get(&key) {
-            if let Some(plan) = versions.plans.iter().find(|plan| self.fits(plan, mask)) {
-                return Some(plan.clone());
+            let (failures, plans) = (versions.failures, versions.plans.len());
+            for i in 0..plans {
+                let plan = self.plans.found.get(&key)?.plans[i].clone();
+                if self.fits(&plan, mask) {
+                    return Some(plan);
+                }
             }
-            if versions.failures >= FAILURES || versions.plans.len() >= VERSIONS {
+            if failures >= FAILURES || plans >= VERSIONS {
                 return None;
             }
         }
@@ -80,11 +84,12 @@ impl<'r> Machine<'r> {
             Some(plan) => versions.plans.push(plan.clone()),
             None => versions.failures += 1,
         }
-        plan.filter(|plan| self.fits(plan, mask))
+        let plan = plan?;
+        self.fits(&plan, mask).then_some(plan)
     }
 
     /// Is all as it was when the plan was made?
-    fn fits(&self, plan: &Plan, mask: &Mask) -> bool {
+    fn fits(&mut self, plan: &Plan, mask: &Mask) -> bool {
         let width = self.width();
         let same = |plane: &Plane, cell: &Cell| match (plane, cell.known()) {
             (Plane::Uniform(x), Some(known)) => x.to_bits() == known.to_bits(),
@@ -92,13 +97,20 @@ impl<'r> Machine<'r> {
             _ => false,
         };
         plan.reads.iter().all(|read| {
-            let slot = self.slot_of(read.place);
+            if let Some((variable, _)) = self.untouched(read.place) {
+                return variable.shape == read.value.shape
+                    && read.value.cells.iter().all(|c| c.known().is_none());
+            }
+            let slot = self.slot(read.place);
             slot.value.as_ref().is_some_and(|value| {
                 value.shape == read.value.shape
                     && value.planes.iter().zip(&read.value.cells).all(|(p, c)| same(p, c))
             }) && mask.is_subset(&slot.defined, width)
         }) && plan.writes.iter().all(|write| {
-            let slot = self.slot_of(write.place);
+            if let Mask::All = mask {
+                return true;
+            }
+            let slot = self.slot(write.place);
             // Where other lanes keep a value its shape must be theirs.
             slot.value.as_ref().is_none_or(|v| v.shape == write.shape || slot.defined.is_subset(mask, width))
         })
@@ -147,12 +159,15 @@ impl<'r> Machine<'r> {
             self.charge(plan.rounds, mask, self.at)?;
         }
         let (n, width) = (self.n, self.width());
-        let active = Active::of(mask, n);
-        let inputs: SmallVec<[Lanes; 8]> =
-            plan.inputs.iter().filter_map(|&(place, plane)| self.lanes_of(place, plane)).collect();
+        let active = Active::of(mask, width);
+        let inputs: SmallVec<[Input<'r>; 8]> =
+            plan.inputs.iter().filter_map(|&(place, plane)| self.input(place, plane)).collect();
         // What stays of the old values, and the planes that are to be filled.
         let mut targets: Vec<Option<Lanes>> = (0..plan.steps.results.len()).map(|_| None).collect();
         for write in &plan.writes {
+            if let Mask::All = mask {
+                self.forget(write.place);
+            }
             let old = std::mem::replace(self.slot(write.place), Slot::EMPTY);
             let keep = old.value.is_some() && !old.defined.is_subset(mask, width);
             let defined = if keep { old.defined.or(mask, width) } else { mask.clone() };
@@ -197,7 +212,7 @@ impl<'r> Machine<'r> {
         Ok(())
     }
 
-    fn strips(&mut self, plan: &Plan, active: &Active, inputs: &[Lanes], targets: &mut [Option<Lanes>]) {
+    fn strips(&mut self, plan: &Plan, active: &Active, inputs: &[Input<'_>], targets: &mut [Option<Lanes>]) {
         let (n, isa) = (self.n, self.isa);
         let Plans { scratch, gathered, .. } = &mut self.plans;
         gathered.resize_with(gathered.len().max(inputs.len()), || Box::new(Strip::ZERO));
@@ -205,7 +220,13 @@ impl<'r> Machine<'r> {
         for start in (0..count).step_by(STRIP) {
             let lanes = STRIP.min(count - start);
             let blocks: SmallVec<[&[Block]; 8]> = if let Active::All(_) = active {
-                inputs.iter().map(|input| &input.blocks()[start / BLOCK..]).collect()
+                for (input, strip) in inputs.iter().zip(gathered.iter_mut()) {
+                    if input.in_place(start, lanes).is_none() {
+                        active.gather(input.get(n), start, lanes, strip);
+                    }
+                }
+                let both = inputs.iter().zip(gathered.iter());
+                both.map(|(input, strip)| input.in_place(start, lanes).unwrap_or(&strip.0)).collect()
             } else {
                 for (input, strip) in inputs.iter().zip(gathered.iter_mut()) {
                     active.gather(input.get(n), start, lanes, strip);
@@ -220,10 +241,38 @@ impl<'r> Machine<'r> {
         }
     }
 
-    fn lanes_of(&self, place: Place, plane: usize) -> Option<Lanes> {
+    fn input(&self, place: Place, plane: usize) -> Option<Input<'r>> {
+        if let Some((variable, start)) = self.untouched(place) {
+            return Some(Input::Image(&variable.planes[plane][start..start + self.n]));
+        }
         match self.slot_of(place).value.as_ref()?.planes.get(plane)? {
-            Plane::Varying(lanes) => Some(lanes.clone()),
+            Plane::Varying(lanes) => Some(Input::Lanes(lanes.clone())),
             Plane::Uniform(_) => None,
+        }
+    }
+}
+
+/// A plane that is read, of all lanes of the batch.
+enum Input<'r> {
+    Lanes(Lanes),
+    Image(&'r [f32]),
+}
+
+impl Input<'_> {
+    fn get(&self, n: usize) -> &[f32] {
+        match self {
+            Input::Lanes(lanes) => lanes.get(n),
+            Input::Image(lanes) => lanes,
+        }
+    }
+
+    /// The blocks of so many lanes, where they are as they should be.
+    fn in_place(&self, start: usize, lanes: usize) -> Option<&[Block]> {
+        match self {
+            Input::Lanes(all) => Some(&all.blocks()[start / BLOCK..]),
+            Input::Image(all) => {
+                Some(all[start..].as_chunks().0).filter(|blocks| blocks.len() * BLOCK >= lanes)
+            }
         }
     }
 }

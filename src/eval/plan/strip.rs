@@ -3,7 +3,7 @@
 use crate::lanes::{Isa, Kernel};
 
 /// Lanes of a block, which a kernel takes at a time.
-pub const BLOCK: usize = 32;
+pub const BLOCK: usize = 64;
 /// Blocks of a strip.
 const BLOCKS: usize = 8;
 /// Lanes of a strip: few enough that all strips of a plan stay in the nearest cache, enough to spread the cost of
@@ -16,10 +16,14 @@ pub type Block = [f32; BLOCK];
 /// One number for each lane of a strip, on cache lines of its own.
 #[derive(Clone)]
 #[repr(align(64))]
-pub struct Strip(pub [Block; BLOCKS]);
+pub struct Strip(pub [Block; BLOCKS], Gap);
+
+/// What lies between strips. Without it the same lane of every other strip would have the same address but for multiples of
+/// 4096, and the processor would take a read of one for a read of what it is about to write to another.
+type Gap = [f32; 144];
 
 impl Strip {
-    pub const ZERO: Strip = Strip([[0.0; BLOCK]; BLOCKS]);
+    pub const ZERO: Strip = Strip([[0.0; BLOCK]; BLOCKS], [0.0; 144]);
 }
 
 /// A kernel that makes one strip of several, lane by lane.
