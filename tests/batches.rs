@@ -42,7 +42,7 @@ impl Writer<'_> {
             };
         }
         let d = depth - 1;
-        match self.pick(19) {
+        match self.pick(20) {
             0 => format!("({} + {})", self.scalar(d), self.scalar(d)),
             1 => format!("({} - {})", self.scalar(d), self.scalar(d)),
             2 => format!("({} * {})", self.scalar(d), self.scalar(d)),
@@ -61,6 +61,7 @@ impl Writer<'_> {
             15 => format!("clamp({})", self.scalar(d)),
             16 => format!("spline({}, 0, 1, -1, 2, 0.5)", self.scalar(d)),
             17 => format!("-{}", self.scalar(d)),
+            18 => format!("fBm({}, octaves = 2.5, high = 100)", self.vector(d)),
             _ => format!("early({}, {})", self.vector(d), self.scalar(d)),
         }
     }

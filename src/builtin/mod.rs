@@ -24,6 +24,7 @@ mod vectors;
 pub use arithmetic::{max, min};
 pub use call::{Call, Fault, map2};
 pub use noise::noise_fields;
+pub use noise_sums::Octaves;
 pub use splines::Curve;
 pub use vectors::inverse;
 

@@ -4,6 +4,7 @@ use super::apply::each;
 use super::call::{Call, Fault};
 use super::noise_kind::{coordinates, kind_and_params, make, params_of, with_kind};
 use super::{Builtin, Kernel, Param, ex};
+use crate::lanes::Isa;
 use crate::noise::sums::{Form, OCTAVES, Sum};
 use crate::noise::{Field, Opt};
 use crate::value::{Plane, Value};
@@ -83,16 +84,56 @@ fn sum(call: &Call<'_>, form: Form, at: &Places) -> Result<Value, Fault> {
         let p = coordinates(p)?;
         let fields = octave_fields(call, at, p.len())?;
         let [out] = call.planes(p.iter().chain(&numbers), |s, [out]| {
-            let (p, numbers) = s.split_at(p.len());
-            let &[low, high, size, octaves, lacunarity, gain, fade, offset] = numbers else {
-                unreachable!("as many as were chained")
-            };
-            let fields = &fields;
-            Sum { form, fields, low, high, size, octaves, lacunarity, gain, fade, offset }
-                .run(call.isa, p, out);
+            run(call.isa, form, &fields, s, out);
         });
         Ok(Value::scalar(out))
     })
+}
+
+/// The sum of that form; `s` is the point's coordinates and eight numbers, in the order of [`sum`].
+fn run(isa: Isa, form: Form, fields: &[Arc<dyn Field>], s: &[&[f32]], out: &mut [f32]) {
+    let (p, numbers) = s.split_at(s.len() - NUMBERS);
+    let &[low, high, size, octaves, lacunarity, gain, fade, offset] = numbers else {
+        unreachable!("as many as were split off")
+    };
+    Sum { form, fields, low, high, size, octaves, lacunarity, gain, fade, offset }.run(isa, p, out);
+}
+
+/// How many numbers a sum takes beside the point.
+const NUMBERS: usize = 8;
+
+/// A call of one of these functions that knows its fields.
+pub struct Octaves {
+    form: Form,
+    fields: Vec<Arc<dyn Field>>,
+    /// The arguments that are its numbers, by place; `None` for 1. The third is 1 / the first.
+    pub numbers: [Option<usize>; NUMBERS],
+}
+
+impl Octaves {
+    /// That of a call, of which only the arguments in `known` are looked at; `None` if it needs others.
+    pub fn of(name: &str, call: &Call<'_>, known: &[bool], dimensions: usize) -> Option<Octaves> {
+        let (form, at) = match name {
+            "turbulence" => (Form::Turbulence, &BAND),
+            "fractalsum" => (Form::Fractal, &BAND),
+            "fBm" => (Form::Fractal, &COUNT),
+            "ridged" => (Form::Ridged, &OFFSET),
+            "hybrid" => (Form::Hybrid, &OFFSET),
+            _ => return None,
+        };
+        if !(at.kind..known.len()).chain([at.low, at.lacunarity]).all(|i| i == 0 || known[i]) {
+            return None;
+        }
+        let place = |i: usize| (i > 0).then_some(i);
+        let numbers =
+            [at.low, at.high, at.low, at.octaves, at.lacunarity, at.gain, at.fade, at.offset].map(place);
+        Some(Octaves { form, fields: octave_fields(call, at, dimensions).ok()?, numbers })
+    }
+
+    /// The sum at points; the slices are coordinates and then [`Octaves::numbers`].
+    pub fn run(&self, isa: Isa, slices: &[&[f32]], out: &mut [f32]) {
+        run(isa, self.form, &self.fields, slices, out);
+    }
 }
 
 /// The noise of each octave, the last being that of all that follow. They differ if the sum has a period, which

@@ -2,6 +2,7 @@
 
 mod args;
 mod plan;
+mod profile;
 
 pub(super) use args::RunArgs;
 
@@ -100,6 +101,7 @@ fn compute(args: &RunArgs, plan: &Plan, loaded: &Loaded, frame: f32) -> Result<(
         batch: args.batch,
         isa: Some(plan.isa),
         no_optimize: args.no_optimize,
+        profile: args.profile,
         limits: args.limits.limits(),
         cancel: None,
         progress: Some(&progress),
@@ -180,6 +182,9 @@ fn tell(args: &RunArgs, plan: &Plan, outputs: &[Output], report: &Report, stats:
     }
     if args.stats {
         stats.print();
+    }
+    if let Some(profile) = &report.profile {
+        profile::print(profile, plan.program.sources(), stats.pixels);
     }
     if let Some(n) = args.repeat {
         warn(&format!("{}: {:.2} ns/pixel, the median of {n} runs", plan.name, stats.per_pixel()));

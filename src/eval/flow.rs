@@ -20,14 +20,21 @@ impl<'r> Machine<'r> {
             }
             self.at = stmt.span;
             if let Some(plan) = self.plan(rest, &mask) {
-                self.run_plan(&plan, &mask)?;
+                self.run_plan(&plan, stmt.span, &mask)?;
                 rest = &rest[plan.count..];
                 continue;
             }
-            mask = self.exec(stmt, &mask)?;
+            mask = if self.clock.is_some() { self.measured(stmt, &mask)? } else { self.exec(stmt, &mask)? };
             rest = after;
         }
         Ok(mask)
+    }
+
+    fn measured(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
+        let before = self.begin(stmt.span, mask);
+        let through = self.exec(stmt, mask);
+        self.done(before);
+        through
     }
 
     fn exec(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
@@ -102,7 +109,8 @@ impl<'r> Machine<'r> {
             return Ok(Mask::None);
         }
         if let Some(plan) = self.plan(&block.stmts, mask).filter(|plan| plan.count == block.stmts.len()) {
-            self.run_plan(&plan, mask)?;
+            let first = block.stmts.first().map_or(self.at, |stmt| stmt.span);
+            self.run_plan(&plan, first, mask)?;
             return Ok(mask.clone());
         }
         match self.gathered(&block.effects, mask) {

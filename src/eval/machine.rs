@@ -4,6 +4,7 @@ use super::bind::{Bound, Source};
 use super::fault::{Fault, Result};
 use super::limits::Limits;
 use super::plan::Plans;
+use super::profile::Clock;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::image::Variable;
 use crate::lanes::Isa;
@@ -91,6 +92,8 @@ pub(super) struct Machine<'r> {
     keeping: bool,
     /// How often steps were counted, to look for a cancellation now and then.
     polls: u32,
+    /// Measures statements, if that is wanted.
+    pub clock: Option<Box<Clock>>,
     /// Shorter ways for some statements; see [`super::plan`].
     pub plans: Plans,
     /// Are such taken?
@@ -128,6 +131,7 @@ impl<'r> Machine<'r> {
             counts: None,
             keeping: false,
             polls: 0,
+            clock: None,
             plans: Plans::default(),
             optimize: true,
             outputs: None,

@@ -18,6 +18,7 @@ mod ops;
 mod output;
 mod pixelsize;
 mod plan;
+mod profile;
 mod run;
 mod store;
 mod worker;
@@ -25,6 +26,7 @@ mod worker;
 pub use bind::Missing;
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
+pub use profile::{Profile, Spent};
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, eval_pixel, run};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to

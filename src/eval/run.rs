@@ -4,6 +4,7 @@ use super::bind::{Bound, Missing, bind};
 use super::limits::Limits;
 use super::machine::Pixels;
 use super::output::{self, Misfit, Output};
+use super::profile::Profile;
 use super::worker::{Stop, Worker};
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
@@ -59,6 +60,8 @@ pub struct Options<'o> {
     pub limits: Limits,
     /// Set from another thread, it ends the run soon.
     pub cancel: Option<&'o AtomicBool>,
+    /// Measure what each statement takes, for [`Report::profile`]. That takes some time itself.
+    pub profile: bool,
     /// Called from any of the threads from time to time.
     pub progress: Option<&'o (dyn Fn(Progress) + Sync)>,
     /// Says what is known of a variable that the image does not have, as hints to the user.
@@ -95,6 +98,8 @@ pub struct Report {
     pub by_normal: bool,
     /// Threads that ran.
     pub threads: usize,
+    /// What each statement took, if [`Options::profile`] was set.
+    pub profile: Option<Profile>,
 }
 
 /// Runs a program at every pixel of an image.
@@ -293,17 +298,20 @@ impl<'r> Job<'r> {
         let stopped: Mutex<Option<Stop>> = Mutex::new(None);
         let done = AtomicUsize::new(0);
         let not_finite = AtomicUsize::new(0);
+        let profile = Mutex::new(Profile::new());
         let work = || {
             let mut worker = self.worker();
+            if self.options.profile {
+                worker.machine.measure();
+            }
             loop {
                 let next = match chunks.lock() {
                     Ok(mut chunks) => chunks.next(),
                     Err(_) => None,
                 };
-                let Some(mut chunk) = next else { return };
-                if chunk.start >= end.load(Ordering::Relaxed) {
-                    return;
-                }
+                let Some(mut chunk) = next.filter(|chunk| chunk.start < end.load(Ordering::Relaxed)) else {
+                    break;
+                };
                 if let Err(stop) = self.chunk(&mut worker, &mut chunk) {
                     end.fetch_min(stop.pixel(), Ordering::Relaxed);
                     if let Ok(mut stopped) = stopped.lock()
@@ -319,6 +327,11 @@ impl<'r> Job<'r> {
                     progress(Progress { done, total });
                 }
             }
+            if let Ok(mut all) = profile.lock() {
+                for (statement, spent) in worker.machine.profile() {
+                    all.entry(statement).or_default().add(&spent);
+                }
+            }
         };
         let threads = self.in_threads(&work)?;
         drop(chunks);
@@ -329,7 +342,8 @@ impl<'r> Job<'r> {
         }
         let image = self.finish(planes);
         let not_finite = not_finite.into_inner();
-        Ok(Attempt::Done(Report { image, not_finite, by_normal: self.by_normal, threads }))
+        let profile = self.options.profile.then(|| profile.into_inner().unwrap_or_else(|e| e.into_inner()));
+        Ok(Attempt::Done(Report { image, not_finite, by_normal: self.by_normal, threads, profile }))
     }
 
     /// Runs `work` on every thread that was asked for, and says how many those are.

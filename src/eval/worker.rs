@@ -63,6 +63,9 @@ impl<'r> Worker<'r> {
     fn batch(&mut self, pixels: Pixels<'_>, count: bool) -> Result<(), Fault> {
         let machine = &mut self.machine;
         machine.reset(pixels.len(), count);
+        if let Some(clock) = &mut machine.clock {
+            clock.start();
+        }
         machine.load(pixels);
         let mask = machine.block(&machine.program.body, &Mask::All)?;
         if let Some(block) = machine.program.by_normal.as_ref().filter(|_| self.by_normal) {

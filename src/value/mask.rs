@@ -146,6 +146,18 @@ impl Mask {
         }
     }
 
+    /// How many lanes are on.
+    pub fn count(&self, width: Width) -> usize {
+        match self {
+            Mask::All => width.n,
+            Mask::None => 0,
+            // All bits of a lane are alike: as a number it is 0 or -1.
+            Mask::Some(on) => {
+                on.bits(width.n).iter().fold(0_u32, |count, bits| count.wrapping_sub(*bits)) as usize
+            }
+        }
+    }
+
     /// Is the lane on?
     pub fn has(&self, lane: usize) -> bool {
         match self {

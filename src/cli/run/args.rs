@@ -98,6 +98,9 @@ pub(in crate::cli) struct RunArgs {
     /// Run so many times in memory, and tell the median time of a pixel. Writes only to -o
     #[arg(long, value_name = "N", value_parser = positive, help_heading = "Speed")]
     pub repeat: Option<usize>,
+    /// Tell where the time goes: for each line what it took by itself, and which share of the pixels was active
+    #[arg(long, help_heading = "Speed")]
+    pub profile: bool,
     /// Walk the program's tree alone, without plans for straight stretches of it: slower, and the same result
     #[arg(long, help_heading = "Speed")]
     pub no_optimize: bool,

@@ -2,13 +2,14 @@
 
 use super::strip::{BLOCK, STRIP, Strip};
 use crate::value::{Mask, Width};
+use smallvec::SmallVec;
 
 /// Where the lanes of a batch are that are on.
 pub enum Active {
     /// All of so many.
     All(usize),
     /// In runs of neighbours: the first, and how many.
-    Runs(Vec<(u32, u32)>, usize),
+    Runs(SmallVec<[(u32, u32); 64]>, usize),
     /// One by one.
     List(Vec<u32>),
 }
@@ -17,7 +18,8 @@ pub enum Active {
 const SHORT: usize = 6;
 
 impl Active {
-    pub fn of(mask: &Mask, width: Width) -> Active {
+    /// The lanes of a mask. `list` is room for them, to be had again by [`Active::room`].
+    pub fn of(mask: &Mask, width: Width, list: Vec<u32>) -> Active {
         let Mask::Some(on) = mask else {
             return Active::All(if mask.is_none() { 0 } else { width.n });
         };
@@ -28,12 +30,16 @@ impl Active {
             let ends = bits[1..].iter().zip(bits).fold(0_u32, |ends, (a, b)| ends.wrapping_sub(a ^ b));
             (count as usize, ends as usize)
         });
-        if (ends / 2 + 1) * SHORT > count { Active::list(bits, count) } else { Active::runs(bits, count) }
+        if (ends / 2 + 1) * SHORT > count {
+            Active::list(bits, count, list)
+        } else {
+            Active::runs(bits, count)
+        }
     }
 
-    fn list(bits: &[u32], count: usize) -> Active {
+    fn list(bits: &[u32], count: usize, mut list: Vec<u32>) -> Active {
         // One more for a lane that is off after the last that is on.
-        let mut list = vec![0; count + 1];
+        list.resize(count + 1, 0);
         let mut at = 0;
         for (lane, &bits) in bits.iter().enumerate() {
             list[at] = lane as u32;
@@ -44,7 +50,7 @@ impl Active {
     }
 
     fn runs(bits: &[u32], count: usize) -> Active {
-        let mut runs: Vec<(u32, u32)> = Vec::new();
+        let mut runs: SmallVec<[(u32, u32); 64]> = SmallVec::new();
         let mut add = |start: usize, lanes: usize| match runs.last_mut() {
             Some(run) if (run.0 + run.1) as usize == start => run.1 += lanes as u32,
             _ => runs.push((start as u32, lanes as u32)),
@@ -60,6 +66,11 @@ impl Active {
             }
         }
         Active::Runs(runs, count)
+    }
+
+    /// The room of a list.
+    pub fn room(self) -> Option<Vec<u32>> {
+        if let Active::List(list) = self { Some(list) } else { None }
     }
 
     /// How many lanes there are.

@@ -155,6 +155,13 @@ impl<'m, 'r> Builder<'m, 'r> {
     }
 
     fn stmt(&mut self, stmt: &'r Stmt) -> Result<Flow, GiveUp> {
+        let before = std::mem::replace(&mut self.graph.at, stmt.span);
+        let flow = self.stmt_here(stmt);
+        self.graph.at = before;
+        flow
+    }
+
+    fn stmt_here(&mut self, stmt: &'r Stmt) -> Result<Flow, GiveUp> {
         if self.graph.nodes.len() > MOST {
             return Err(GiveUp);
         }

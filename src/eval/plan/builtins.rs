@@ -4,7 +4,7 @@ use super::build::{Builder, GiveUp, Val};
 use super::graph::{Cell, Cells, Graph};
 use super::op::{Arith, Op};
 use super::strip::{Zip, zip};
-use crate::builtin::{self, Builtin, Kernel};
+use crate::builtin::{self, Builtin, Kernel, Octaves};
 use crate::resolve::tree::Expr;
 use crate::shape::Shape;
 use crate::value::{Mask, Value};
@@ -95,6 +95,7 @@ impl<'r> Builder<'_, 'r> {
                 Ok(Val::vector(cells.into_iter().collect()))
             }
             "Noise" | "Dnoise" | "Vnoise" => self.noise(builtin.name, args),
+            "turbulence" | "fractalsum" | "fBm" | "ridged" | "hybrid" => self.octaves(builtin.name, args),
             "spline" | "linear" => self.curve(builtin.name, args),
             _ => Err(GiveUp),
         }
@@ -121,6 +122,26 @@ impl<'r> Builder<'_, 'r> {
         }
         let cells: Cells = fields.into_iter().map(|field| self.graph.one(Op::Noise(field), p)).collect();
         Ok(if name == "Vnoise" { Val::vector(cells) } else { Val::scalar(cells[0]) })
+    }
+
+    fn octaves(&mut self, name: &str, args: &[Val]) -> Result<Val, GiveUp> {
+        let (Shape::Scalar | Shape::Vector(1..=4)) = args[0].shape else { return Err(GiveUp) };
+        let known: Vec<bool> = args.iter().map(|a| a.known().is_some()).collect();
+        let values: Vec<Value> =
+            args.iter().map(|a| a.known().unwrap_or_else(|| Value::uniform(0.0))).collect();
+        let max_cells = self.machine.limits.cells;
+        let call = builtin::Call { isa: self.machine.isa, n: 1, mask: &Mask::All, args: &values, max_cells };
+        let octaves = Octaves::of(name, &call, &known, args[0].cells.len()).ok_or(GiveUp)?;
+        let mut cells = args[0].cells.clone();
+        for (i, place) in octaves.numbers.iter().enumerate() {
+            let cell = match place {
+                Some(place) => args[*place].as_scalar()?,
+                None => Cell::number(1.0),
+            };
+            const OVER: Zip = |isa, args, out| zip(isa, args, out, |[low]: [f32; 1]| 1.0 / low);
+            cells.push(if i == 2 { self.graph.one(Op::Zip(OVER), &[cell]) } else { cell });
+        }
+        Ok(Val::scalar(self.graph.one(Op::Octaves(Arc::new(octaves)), &cells)))
     }
 
     fn curve(&mut self, name: &str, args: &[Val]) -> Result<Val, GiveUp> {

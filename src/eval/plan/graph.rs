@@ -2,6 +2,7 @@
 
 use super::op::{Arith, Op};
 use super::strip::{BLOCK, Block};
+use crate::diagnostic::Span;
 use crate::lanes::Isa;
 use smallvec::SmallVec;
 use std::collections::HashMap;
@@ -38,6 +39,8 @@ pub struct Node {
     pub first: u32,
     /// How many results it has.
     pub results: usize,
+    /// The statement that first wanted it.
+    pub of: Span,
 }
 
 /// The operations, in an order in which they can be done.
@@ -47,11 +50,13 @@ pub struct Graph {
     /// The results so far.
     pub results: u32,
     seen: HashMap<(super::op::Key, Cells), u32>,
+    /// The statement that is followed.
+    pub at: Span,
 }
 
 impl Graph {
     pub fn new(isa: Isa) -> Graph {
-        Graph { isa, nodes: Vec::new(), results: 0, seen: HashMap::new() }
+        Graph { isa, nodes: Vec::new(), results: 0, seen: HashMap::new(), at: Span::default() }
     }
 
     /// A new operation, or an old one of the same arguments: its first result.
@@ -73,7 +78,7 @@ impl Graph {
         if let Some(key) = key {
             self.seen.insert(key, first);
         }
-        self.nodes.push(Node { op, args, first, results });
+        self.nodes.push(Node { op, args, first, results, of: self.at });
         first
     }
 

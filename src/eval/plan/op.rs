@@ -1,7 +1,7 @@
 //! What a step of a plan computes.
 
 use super::strip::{Block, Zip, zip};
-use crate::builtin::{Curve, Lanes2, Lanes3};
+use crate::builtin::{Curve, Lanes2, Lanes3, Octaves};
 use crate::lanes::{Arg, Isa};
 use crate::noise::Field;
 use std::sync::Arc;
@@ -13,6 +13,9 @@ pub enum Arith {
     Sub,
     Mul,
 }
+
+/// The most arguments of a step: those of a sum of octaves in four dimensions.
+pub const ARGUMENTS: usize = 12;
 
 /// What a step computes.
 #[derive(Clone)]
@@ -37,6 +40,8 @@ pub enum Op {
     Noise(Arc<dyn Field>),
     /// Its derivative.
     Derivative(Arc<dyn Field>),
+    /// A sum of octaves.
+    Octaves(Arc<Octaves>),
     /// Coordinates of a curve.
     Curve(Arc<Curve>),
 }
@@ -61,6 +66,7 @@ impl Op {
             Op::Map3(f) => Key(7, *f as usize, None),
             Op::Noise(field) => Key(8, address(field), None),
             Op::Derivative(field) => Key(9, address(field), None),
+            Op::Octaves(octaves) => Key(11, Arc::as_ptr(octaves) as usize, None),
             Op::Curve(curve) => Key(10, Arc::as_ptr(curve) as usize, None),
         })
     }
@@ -114,6 +120,9 @@ impl Op {
                 ),
                 _ => {}
             }),
+            Op::Octaves(octaves) => {
+                with_slices(args, lanes, |slices| octaves.run(isa, slices, front(out[0], lanes)))
+            }
             Op::Curve(curve) => {
                 for (cell, out) in out.iter_mut().enumerate() {
                     let t = &args[0].as_flattened()[..lanes];
@@ -136,7 +145,7 @@ fn operand<'a>(blocks: &'a [Block], lanes: usize) -> Arg<'a> {
 }
 
 fn with_slices(args: &[&[Block]], lanes: usize, f: impl FnOnce(&[&[f32]])) {
-    let mut slices: [&[f32]; 4] = [&[]; 4];
+    let mut slices: [&[f32]; ARGUMENTS] = [&[]; ARGUMENTS];
     for (slice, arg) in slices.iter_mut().zip(args) {
         *slice = &arg.as_flattened()[..lanes];
     }

@@ -6,6 +6,7 @@ use super::graph::Cell;
 use super::steps::{Scratch, Steps};
 use super::strip::{BLOCK, Block, STRIP, Strip};
 use super::wanted::Reads;
+use crate::diagnostic::Span;
 use crate::eval::fault::Result;
 use crate::eval::machine::{Machine, Slot};
 use crate::resolve::tree::*;
@@ -56,7 +57,9 @@ pub struct Plans {
     found: HashMap<usize, Versions>,
     reads: Option<Rc<Reads>>,
     scratch: Scratch,
-    gathered: Vec<Box<Strip>>,
+    gathered: Vec<Strip>,
+    /// Room for the lanes of a batch.
+    list: Vec<u32>,
 }
 
 impl<'r> Machine<'r> {
@@ -152,18 +155,34 @@ impl<'r> Machine<'r> {
         Some(Plan { count, reads: needed, steps, inputs, writes, rounds })
     }
 
-    /// Runs a plan that fits, on the lanes of the mask.
-    pub(in crate::eval) fn run_plan(&mut self, plan: &Plan, mask: &Mask) -> Result<()> {
+    /// Runs a plan that fits, on the lanes of the mask. `first` is the first of its statements.
+    pub(in crate::eval) fn run_plan(&mut self, plan: &Plan, first: Span, mask: &Mask) -> Result<()> {
+        if self.clock.is_none() {
+            return self.carry_out(plan, mask);
+        }
+        let (n, width) = (self.n, self.width());
+        let before = self.begin(first, mask);
+        if let Some(clock) = &mut self.clock {
+            for statement in plan.steps.statements().into_iter().filter(|s| *s != first) {
+                clock.visit(statement, mask.count(width), n);
+            }
+        }
+        let outcome = self.carry_out(plan, mask);
+        self.done(before);
+        outcome
+    }
+
+    fn carry_out(&mut self, plan: &Plan, mask: &Mask) -> Result<()> {
         self.check_memory()?;
         if plan.rounds > 0 {
             self.charge(plan.rounds, mask, self.at)?;
         }
         let (n, width) = (self.n, self.width());
-        let active = Active::of(mask, width);
+        let active = Active::of(mask, width, std::mem::take(&mut self.plans.list));
         let inputs: SmallVec<[Input<'r>; 8]> =
             plan.inputs.iter().filter_map(|&(place, plane)| self.input(place, plane)).collect();
         // What stays of the old values, and the planes that are to be filled.
-        let mut targets: Vec<Option<Lanes>> = (0..plan.steps.results.len()).map(|_| None).collect();
+        let mut targets: SmallVec<[Option<Lanes>; 8]> = plan.steps.results.iter().map(|_| None).collect();
         for write in &plan.writes {
             if let Mask::All = mask {
                 self.forget(write.place);
@@ -209,13 +228,16 @@ impl<'r> Machine<'r> {
                 }
             }
         }
+        if let Some(list) = active.room() {
+            self.plans.list = list;
+        }
         Ok(())
     }
 
     fn strips(&mut self, plan: &Plan, active: &Active, inputs: &[Input<'_>], targets: &mut [Option<Lanes>]) {
         let (n, isa) = (self.n, self.isa);
-        let Plans { scratch, gathered, .. } = &mut self.plans;
-        gathered.resize_with(gathered.len().max(inputs.len()), || Box::new(Strip::ZERO));
+        let Machine { plans: Plans { scratch, gathered, .. }, clock, .. } = self;
+        gathered.resize_with(gathered.len().max(inputs.len()), || Strip::ZERO);
         let count = active.count();
         for start in (0..count).step_by(STRIP) {
             let lanes = STRIP.min(count - start);
@@ -233,11 +255,24 @@ impl<'r> Machine<'r> {
                 }
                 gathered.iter().map(|strip| &strip.0[..]).take(inputs.len()).collect()
             };
-            plan.steps.run(isa, lanes, &blocks, scratch, |k, result| {
+            let take = |k: usize, result: &[Block]| {
                 if let Some(target) = &mut targets[k] {
                     active.scatter(result.as_flattened(), start, lanes, target.get_mut(n));
                 }
-            });
+            };
+            match clock {
+                None => plan.steps.run(isa, lanes, &blocks, scratch, |_| {}, take),
+                Some(clock) => {
+                    // What was done until here is the first statement's; then each has its turn.
+                    let first = clock.turn(Span::default());
+                    let after = |statement| {
+                        clock.become_of(statement);
+                    };
+                    plan.steps.run(isa, lanes, &blocks, scratch, after, take);
+                    clock.become_of(first);
+                    clock.turn(first);
+                }
+            }
         }
     }
 

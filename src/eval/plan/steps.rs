@@ -1,8 +1,9 @@
 //! A plan: steps on numbered strips, and how they are run.
 
 use super::graph::{Cell, Graph, Node, reduce};
-use super::op::Op;
+use super::op::{ARGUMENTS, Op};
 use super::strip::{BLOCK, Block, STRIP, Strip};
+use crate::diagnostic::Span;
 use crate::lanes::Isa;
 use smallvec::SmallVec;
 
@@ -21,22 +22,23 @@ struct Step {
     op: Op,
     args: SmallVec<[Operand; 6]>,
     out: SmallVec<[u16; 4]>,
+    /// The statement that it is of.
+    of: Span,
 }
 
-/// The most arguments and results of a step.
-const ARGUMENTS: usize = 6;
+/// The most results of a step.
 const RESULTS: usize = 4;
 
 impl Step {
     /// # Panics
     /// If a strip is written that is also read, or written twice: running the step relies on it.
-    fn new(op: Op, args: SmallVec<[Operand; 6]>, out: SmallVec<[u16; 4]>, strips: u16) -> Step {
+    fn new(op: Op, args: SmallVec<[Operand; 6]>, out: SmallVec<[u16; 4]>, of: Span, strips: u16) -> Step {
         assert!(args.len() <= ARGUMENTS && out.len() <= RESULTS);
         for (k, &strip) in out.iter().enumerate() {
             assert!(strip < strips && !out[..k].contains(&strip) && !args.contains(&Operand::Strip(strip)));
         }
         assert!(args.iter().all(|arg| !matches!(arg, Operand::Strip(i) if *i >= strips)));
-        Step { op, args, out }
+        Step { op, args, out, of }
     }
 }
 
@@ -113,7 +115,7 @@ impl Steps {
         };
         let mut steps = Vec::new();
         for (i, node) in nodes.into_iter().enumerate() {
-            let Node { op, args: cells, first, results } = node;
+            let Node { op, args: cells, first, results, of } = node;
             if let Op::Input(number) = op {
                 to.places[first as usize] = Some(Operand::Input(to.inputs.len() as u16));
                 to.inputs.push(number);
@@ -139,10 +141,18 @@ impl Steps {
                     to.free.push(strip);
                 }
             }
-            steps.push(Step::new(op, args, out, to.strips));
+            steps.push(Step::new(op, args, out, of, to.strips));
         }
         let results = wanted.iter().map(|&cell| to.operand(cell)).collect();
         Steps { steps, known: to.known, strips: usize::from(to.strips), results, inputs: to.inputs }
+    }
+
+    /// The statements that the steps are of.
+    pub fn statements(&self) -> Vec<Span> {
+        let mut statements: Vec<Span> = self.steps.iter().map(|step| step.of).collect();
+        statements.sort_unstable();
+        statements.dedup();
+        statements
     }
 
     /// The number of a result that is the same in all lanes.
@@ -153,7 +163,8 @@ impl Steps {
         }
     }
 
-    /// Runs all steps on so many lanes, [`STRIP`] at most. `take` gets each result, by its number.
+    /// Runs all steps on so many lanes, [`STRIP`] at most. `after` is told of which statement each
+    /// step was that is done, `take` gets each result by its number.
     ///
     /// # Panics
     /// If there are fewer inputs than [`Steps::inputs`], or if they are shorter than the lanes.
@@ -163,6 +174,7 @@ impl Steps {
         lanes: usize,
         inputs: &[&[Block]],
         scratch: &mut Scratch,
+        mut after: impl FnMut(Span),
         mut take: impl FnMut(usize, &[Block]),
     ) {
         assert!(lanes <= STRIP);
@@ -186,6 +198,7 @@ impl Steps {
                 *out = unsafe { &mut (&mut (*strips.add(usize::from(i))).0)[..blocks] };
             }
             step.op.run(isa, lanes, &args[..step.args.len()], &mut out[..step.out.len()]);
+            after(step.of);
         }
         for (k, &result) in self.results.iter().enumerate() {
             match result {

@@ -16,7 +16,7 @@ pub type Block = [f32; BLOCK];
 /// One number for each lane of a strip, on cache lines of its own.
 #[derive(Clone)]
 #[repr(align(64))]
-pub struct Strip(pub [Block; BLOCKS], Gap);
+pub struct Strip(pub [Block; BLOCKS], #[expect(dead_code, reason = "room")] Gap);
 
 /// What lies between strips. Without it the same lane of every other strip would have the same address but for multiples of
 /// 4096, and the processor would take a read of one for a read of what it is about to write to another.
