@@ -199,7 +199,18 @@ fn report(medians: &Medians) -> String {
             workload.wanted.map_or_else(String::new, |wanted| format!("≤ {wanted}")),
         ]
     });
-    table::markdown(&header, &rows.collect::<Vec<_>>())
+    markdown(&header, &rows.collect::<Vec<_>>())
+}
+
+/// A table in Markdown.
+fn markdown<H: AsRef<str>, R: AsRef<str>>(header: &[H], rows: &[Vec<R>]) -> String {
+    let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
+    let mut text = format!("| {} |\n|{}\n", header.join(" | "), "---|".repeat(header.len()));
+    for row in rows {
+        let cells: Vec<&str> = row.iter().map(AsRef::as_ref).collect();
+        text.push_str(&format!("| {} |\n", cells.join(" | ")));
+    }
+    text
 }
 
 /// Lets the allocator keep what was freed: it gives back large blocks to the system until it has seen a still larger

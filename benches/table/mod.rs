@@ -73,17 +73,6 @@ fn median(folder: &Path, start: SystemTime) -> Option<(String, f64)> {
     Some((benchmark["full_id"].as_str()?.to_string(), median / elements))
 }
 
-/// A table in Markdown.
-pub fn markdown<H: AsRef<str>, R: AsRef<str>>(header: &[H], rows: &[Vec<R>]) -> String {
-    let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
-    let mut text = format!("| {} |\n|{}\n", header.join(" | "), "---|".repeat(header.len()));
-    for row in rows {
-        let cells: Vec<&str> = row.iter().map(AsRef::as_ref).collect();
-        text.push_str(&format!("| {} |\n", cells.join(" | ")));
-    }
-    text
-}
-
 /// Puts text between the lines `<!-- NAME begin -->` and `<!-- NAME end -->` of `docs/performance.md`, if `UPDATE=1`
 /// asks for it.
 ///

@@ -228,19 +228,19 @@ impl<const W: usize> lanes::Kernel for Follow<'_, W> {
                     for i in 0..LANES {
                         here[i] = if at[i] == number { !0 } else { 0 };
                     }
-                    for k in 0..W {
-                        let bits = self.table[k][piece].to_bits();
-                        let mut coefficients = row[k];
+                    for (row, table) in row.iter_mut().zip(self.table) {
+                        let bits = table[piece].to_bits();
+                        let mut coefficients = *row;
                         for i in 0..LANES {
                             coefficients[i] |= bits & here[i];
                         }
-                        row[k] = coefficients;
+                        *row = coefficients;
                     }
                 }
             } else {
-                for i in 0..LANES {
-                    for k in 0..W {
-                        row[k][i] = self.table[k][at[i] as i32 as usize & (SHORT - 1)].to_bits();
+                for (row, table) in row.iter_mut().zip(self.table) {
+                    for i in 0..LANES {
+                        row[i] = table[at[i] as i32 as usize & (SHORT - 1)].to_bits();
                     }
                 }
             }

@@ -1,7 +1,8 @@
 //! Binds a program to an image: where the value of each outer variable comes from, and the frame's own run.
 
 use super::fault::Fault;
-use super::machine::{Machine, Pixels, Slot};
+use super::machine::{Machine, Slot};
+use super::pixels::Pixels;
 use super::pixelsize;
 use super::run::{Failure, Options};
 use crate::diagnostic::Diagnostic;

@@ -3,6 +3,7 @@
 use super::bind::{Bound, Source};
 use super::fault::{Fault, Result};
 use super::limits::Limits;
+use super::pixels::{Batch, Pixels};
 use super::plan::Plans;
 use super::profile::Clock;
 use crate::diagnostic::{Diagnostic, Span};
@@ -10,7 +11,7 @@ use crate::image::Variable;
 use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::*;
-use crate::value::{Lanes, Mask, Plane, Value, Width, live_bytes};
+use crate::value::{Mask, Value, Width, live_bytes};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Vectors of more scalars than this are large: to compute one counts as several steps.
@@ -481,59 +482,4 @@ pub(super) fn blend(mask: &Mask, new: &Value, old: &Value, width: Width) -> Resu
     }
     let planes = new.planes.iter().zip(&old.planes).map(|(new, old)| mask.select(new, old, width)).collect();
     Ok(Value { shape: new.shape.clone(), planes })
-}
-
-/// The like, kept.
-enum Batch {
-    Run(usize, usize),
-    List(Box<[u32]>),
-}
-
-/// The pixels of a batch, as indices into an image's planes: in a row, or any.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Pixels<'a> {
-    /// The first, and how many follow each other.
-    Run(usize, usize),
-    /// Ascending.
-    List(&'a [u32]),
-}
-
-impl Pixels<'_> {
-    pub fn len(self) -> usize {
-        match self {
-            Pixels::Run(_, n) => n,
-            Pixels::List(list) => list.len(),
-        }
-    }
-
-    /// The pixel of a lane.
-    pub fn at(self, lane: usize) -> usize {
-        match self {
-            Pixels::Run(start, _) => start + lane,
-            Pixels::List(list) => list[lane] as usize,
-        }
-    }
-
-    /// What a plane of the image holds at these pixels.
-    pub fn gather(self, plane: &[f32]) -> Plane {
-        let n = self.len();
-        Plane::Varying(Lanes::filled(n, |out| match self {
-            Pixels::Run(start, n) => out.copy_from_slice(&plane[start..start + n]),
-            Pixels::List(list) => {
-                for (out, &pixel) in out.iter_mut().zip(list) {
-                    *out = plane[pixel as usize];
-                }
-            }
-        }))
-    }
-
-    /// What `f` of the pixel's index gives.
-    pub fn map(self, f: impl Fn(usize) -> f32) -> Plane {
-        let n = self.len();
-        Plane::filled(n, |out| {
-            for (lane, out) in out.iter_mut().enumerate() {
-                *out = f(self.at(lane));
-            }
-        })
-    }
 }

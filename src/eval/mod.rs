@@ -16,6 +16,7 @@ mod limits;
 mod machine;
 mod ops;
 mod output;
+mod pixels;
 mod pixelsize;
 mod plan;
 mod profile;

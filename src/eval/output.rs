@@ -1,6 +1,7 @@
 //! The output variables: their shapes over all pixels, and the planes they are written to.
 
-use super::machine::{Machine, Pixels};
+use super::machine::Machine;
+use super::pixels::Pixels;
 use crate::diagnostic::Diagnostic;
 use crate::image::Variable;
 use crate::resolve::names;

@@ -2,8 +2,8 @@
 
 use super::bind::{Bound, Missing, bind};
 use super::limits::Limits;
-use super::machine::Pixels;
 use super::output::{self, Misfit, Output};
+use super::pixels::Pixels;
 use super::profile::Profile;
 use super::worker::{Stop, Worker};
 use crate::diagnostic::Diagnostic;

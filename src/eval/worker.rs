@@ -2,8 +2,9 @@
 
 use super::bind::Bound;
 use super::fault::Fault;
-use super::machine::{Machine, Pixels};
+use super::machine::Machine;
 use super::output::Misfit;
+use super::pixels::Pixels;
 use super::run::{Failure, Options};
 use crate::diagnostic::Diagnostic;
 use crate::resolve::Resolved;

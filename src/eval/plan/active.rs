@@ -5,6 +5,7 @@ use crate::value::{Mask, Width};
 use smallvec::SmallVec;
 
 /// Where the lanes of a batch are that are on.
+#[expect(clippy::large_enum_variant, reason = "one a plan, on the stack, rather than memory of its own")]
 pub enum Active {
     /// All of so many.
     All(usize),

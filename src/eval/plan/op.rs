@@ -133,7 +133,7 @@ impl Op {
     }
 }
 
-fn front<'a>(blocks: &'a mut [Block], lanes: usize) -> &'a mut [f32] {
+fn front(blocks: &mut [Block], lanes: usize) -> &mut [f32] {
     &mut blocks.as_flattened_mut()[..lanes]
 }
 
