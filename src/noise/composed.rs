@@ -104,7 +104,8 @@ impl<W: Wrap<D>, const D: usize> Composed<W, D> {
     fn hashes(&self, axis: usize, low: f32, salt: u32) -> [u32; 4] {
         // The seed is in the keys of the first axis.
         let salt = if axis == 0 { salt } else { salt ^ self.lattice.key(0, 0.0) };
-        [low - 1.0, low, low + 1.0, low + 2.0].map(|x| hash::point(self.lattice.key(axis, x) ^ salt))
+        let hash = |x: f32| hash::point(self.lattice.key(axis, x) ^ salt);
+        [hash(low - 1.0), hash(low), hash(low + 1.0), hash(low + 2.0)]
     }
 
     /// Finds the parts, of which the noise is put together; the slopes only for the derivative.
@@ -113,39 +114,76 @@ impl<W: Wrap<D>, const D: usize> Composed<W, D> {
         let zero = [[0.0; TILE]; D];
         let mut parts = Parts { displaced: zero, shear: [zero; D], noise: zero, slope: zero };
         const { assert!(D < DISPLACEMENT.len()) };
-        let scale = SCALE * DISPLACEMENT[D];
         let mut low = zero;
-        for j in 0..D {
-            // Four arrays, as whole vectors are loaded from them.
-            let (mut a, mut b, mut c, mut d) = ([0; TILE], [0; TILE], [0; TILE], [0; TILE]);
-            for i in 0..work {
-                low[j][i] = p[j][i].floor();
-                [a[i], b[i], c[i], d[i]] = self.hashes(j, low[j][i], 0);
-            }
-            for k in (0..D).filter(|&k| k != j) {
-                for i in 0..work {
-                    let (t, values) = (p[j][i] - low[j][i], values([a[i], b[i], c[i], d[i]]));
-                    parts.displaced[k][i] += dot(values, b_spline(t)) * scale;
-                    if SLOPES {
-                        parts.shear[k][j][i] = dot(values, b_spline_slopes(t)) * scale;
-                    }
-                    [a[i], b[i], c[i], d[i]] = [more(a[i]), more(b[i]), more(c[i]), more(d[i])];
-                }
-            }
+        // Axis by axis as code, not as loops: what differs between axes is then known to the compiler.
+        self.displace::<SLOPES>(0, &mut parts, &mut low, p, work);
+        self.displace::<SLOPES>(1, &mut parts, &mut low, p, work);
+        if D > 2 {
+            self.displace::<SLOPES>(2, &mut parts, &mut low, p, work);
         }
-        for k in 0..D {
-            for i in 0..work {
-                // The cell and the place in it are displaced apart: their sum would have fewer digits.
-                let t = (p[k][i] - low[k][i]) + parts.displaced[k][i];
-                let cells = t.floor();
-                let values = values(self.hashes(k, low[k][i] + cells, TOGETHER));
-                parts.noise[k][i] = dot(values, catmull_rom(t - cells)) * SCALE;
-                if SLOPES {
-                    parts.slope[k][i] = dot(values, catmull_rom_slopes(t - cells)) * SCALE;
-                }
-            }
+        if D > 3 {
+            self.displace::<SLOPES>(3, &mut parts, &mut low, p, work);
+        }
+        self.along::<SLOPES>(0, &mut parts, &low, p, work);
+        self.along::<SLOPES>(1, &mut parts, &low, p, work);
+        if D > 2 {
+            self.along::<SLOPES>(2, &mut parts, &low, p, work);
+        }
+        if D > 3 {
+            self.along::<SLOPES>(3, &mut parts, &low, p, work);
         }
         parts
+    }
+
+    /// Adds by how much the noise along axis j displaces the others.
+    #[inline(always)]
+    fn displace<const SLOPES: bool>(
+        &self,
+        j: usize,
+        parts: &mut Parts<D>,
+        low: &mut [[f32; TILE]; D],
+        p: &[[f32; TILE]; D],
+        work: usize,
+    ) {
+        let scale = SCALE * DISPLACEMENT[D];
+        // Four arrays, as whole vectors are loaded from them.
+        let (mut a, mut b, mut c, mut d) = ([0; TILE], [0; TILE], [0; TILE], [0; TILE]);
+        for i in 0..work {
+            low[j][i] = p[j][i].floor();
+            [a[i], b[i], c[i], d[i]] = self.hashes(j, low[j][i], 0);
+        }
+        for k in (0..D).filter(|&k| k != j) {
+            for i in 0..work {
+                let (t, values) = (p[j][i] - low[j][i], values([a[i], b[i], c[i], d[i]]));
+                parts.displaced[k][i] += dot(values, b_spline(t)) * scale;
+                if SLOPES {
+                    parts.shear[k][j][i] = dot(values, b_spline_slopes(t)) * scale;
+                }
+                [a[i], b[i], c[i], d[i]] = [more(a[i]), more(b[i]), more(c[i]), more(d[i])];
+            }
+        }
+    }
+
+    /// The displaced noise along axis k.
+    #[inline(always)]
+    fn along<const SLOPES: bool>(
+        &self,
+        k: usize,
+        parts: &mut Parts<D>,
+        low: &[[f32; TILE]; D],
+        p: &[[f32; TILE]; D],
+        work: usize,
+    ) {
+        for i in 0..work {
+            // The cell and the place in it are displaced apart: their sum would have fewer digits.
+            let t = (p[k][i] - low[k][i]) + parts.displaced[k][i];
+            let cells = t.floor();
+            let values = values(self.hashes(k, low[k][i] + cells, TOGETHER));
+            parts.noise[k][i] = dot(values, catmull_rom(t - cells)) * SCALE;
+            if SLOPES {
+                parts.slope[k][i] = dot(values, catmull_rom_slopes(t - cells)) * SCALE;
+            }
+        }
     }
 }
 

@@ -38,26 +38,30 @@ impl<const D: usize> Wrap<D> for Endless {
 #[derive(Clone, Copy)]
 pub(super) struct Periodic<const D: usize>(pub [f32; D]);
 
+impl<const D: usize> Periodic<D> {
+    /// What remains of a whole number after whole periods. No period is one of 0, with which all corrections are 0:
+    /// to ask for it, the same in all lanes, would make the compiler write out the loops for each answer.
+    #[inline(always)]
+    fn rest(&self, low: f32, period: f32) -> f32 {
+        let share = if period > 0.0 { 1.0 / period } else { 0.0 };
+        // The product may be rounded up to the next integer, or the point lie so far out that the other one is not
+        // exact: then the remainder is off by a period at most, or the point beyond 2^23.
+        let rest = low - (low * share).floor() * period;
+        let rest = if rest < 0.0 { rest + period } else { rest };
+        if rest >= period { rest - period } else { rest }
+    }
+}
+
 impl<const D: usize> Wrap<D> for Periodic<D> {
     #[inline(always)]
     fn wrap(&self, low: f32, axis: usize) -> f32 {
-        let period = self.0[axis];
-        // The quotient may be rounded up to the next integer, or the point lie so far out that the product
-        // is not exact: then the remainder is off by a period at most, or the point beyond 2^23.
-        let rest = low - (low / period).floor() * period;
-        let rest = if rest < 0.0 { rest + period } else { rest };
-        let rest = if rest >= period { rest - period } else { rest };
-        if period > 0.0 { rest } else { low }
+        self.rest(low, self.0[axis])
     }
 
     #[inline(always)]
     fn ends(&self, low: f32, axis: usize) -> [u32; 2] {
         let period = self.0[axis];
-        // As above, but times the reciprocal, which is as good up to 2^23; without a period all corrections are 0.
-        let share = if period > 0.0 { 1.0 / period } else { 0.0 };
-        let rest = low - (low * share).floor() * period;
-        let rest = if rest < 0.0 { rest + period } else { rest };
-        let rest = if rest >= period { rest - period } else { rest };
+        let rest = self.rest(low, period);
         let (lower, end) = (hash::whole(rest), hash::whole(period));
         let upper = lower.wrapping_add(1);
         [lower, if upper == end { hash::whole(0.0) } else { upper }]
@@ -96,7 +100,8 @@ impl<W: Wrap<D>, const D: usize> Lattice<W, D> {
         let key = (self.wrap.wrap(coordinate, axis) + 0.0).to_bits();
         // The seed goes in before the hash: two seeds then differ otherwise at every coordinate. (Put in after it
         // they would differ by the same bits everywhere, and hashes of points that differ so are not all unrelated.)
-        if axis == 0 { hash::axis(key ^ self.seed, 0) ^ hash::seed(0) } else { hash::axis(key, axis) }
+        let (seed, origin) = if axis == 0 { (self.seed, hash::seed(0)) } else { (0, 0) };
+        hash::axis(key ^ seed, axis) ^ origin
     }
 }
 

@@ -79,28 +79,47 @@ impl<const D: usize> Tile<D> {
     /// Fills the first lanes for these points.
     #[inline(always)]
     fn fill<A: Rows<D>, const SLOPES: bool>(&mut self, algorithm: &A, p: &[[f32; TILE]; D], work: usize) {
+        // Axis by axis as code, not as a loop: what differs between axes is then known to the compiler.
+        self.fill_axis::<A, SLOPES>(0, algorithm, p, work);
+        if D > 1 {
+            self.fill_axis::<A, SLOPES>(1, algorithm, p, work);
+        }
+        if D > 2 {
+            self.fill_axis::<A, SLOPES>(2, algorithm, p, work);
+        }
+        if D > 3 {
+            self.fill_axis::<A, SLOPES>(3, algorithm, p, work);
+        }
+    }
+
+    #[inline(always)]
+    fn fill_axis<A: Rows<D>, const SLOPES: bool>(
+        &mut self,
+        k: usize,
+        algorithm: &A,
+        p: &[[f32; TILE]; D],
+        work: usize,
+    ) {
         let lattice = algorithm.lattice();
-        for k in 0..D {
-            for i in 0..work {
-                let low = p[k][i].floor();
-                let t = p[k][i] - low;
-                self.t[k][i] = t;
-                self.keys[k][0][i] = lattice.key(k, low - 1.0);
-                self.keys[k][1][i] = lattice.key(k, low);
-                self.keys[k][2][i] = lattice.key(k, low + 1.0);
-                self.keys[k][3][i] = lattice.key(k, low + 2.0);
-                let [a, b, c, d] = A::factors(t);
-                self.factors[k][0][i] = a;
-                self.factors[k][1][i] = b;
-                self.factors[k][2][i] = c;
-                self.factors[k][3][i] = d;
-                if SLOPES {
-                    let [a, b, c, d] = A::slopes(t);
-                    self.slopes[k][0][i] = a;
-                    self.slopes[k][1][i] = b;
-                    self.slopes[k][2][i] = c;
-                    self.slopes[k][3][i] = d;
-                }
+        for i in 0..work {
+            let low = p[k][i].floor();
+            let t = p[k][i] - low;
+            self.t[k][i] = t;
+            self.keys[k][0][i] = lattice.key(k, low - 1.0);
+            self.keys[k][1][i] = lattice.key(k, low);
+            self.keys[k][2][i] = lattice.key(k, low + 1.0);
+            self.keys[k][3][i] = lattice.key(k, low + 2.0);
+            let [a, b, c, d] = A::factors(t);
+            self.factors[k][0][i] = a;
+            self.factors[k][1][i] = b;
+            self.factors[k][2][i] = c;
+            self.factors[k][3][i] = d;
+            if SLOPES {
+                let [a, b, c, d] = A::slopes(t);
+                self.slopes[k][0][i] = a;
+                self.slopes[k][1][i] = b;
+                self.slopes[k][2][i] = c;
+                self.slopes[k][3][i] = d;
             }
         }
     }

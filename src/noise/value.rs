@@ -38,7 +38,8 @@ struct Value<W, const D: usize> {
 /// The random values of lattice points, even in -2^31 … 2^31: their bits serve as integers.
 #[inline(always)]
 pub(super) fn values(hashes: [u32; 4]) -> [f32; 4] {
-    hashes.map(|hash| hash as i32 as f32)
+    let [a, b, c, d] = hashes;
+    [a as i32 as f32, b as i32 as f32, c as i32 as f32, d as i32 as f32]
 }
 
 /// What makes them ±1.
