@@ -10,7 +10,7 @@ mod table;
 
 use std::fmt::Write;
 use std::hint::black_box;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use criterion::{
     BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, measurement::WallTime,
@@ -19,7 +19,7 @@ use noise::{NoiseFn, Perlin};
 use pse::lanes::{Arg, Isa};
 use pse::math;
 use pse::noise::{Field, KINDS, Kind, Opt, Params, random};
-use table::Medians;
+use table::Turns;
 
 const LANES: usize = pse::BATCH;
 /// So many batches take turns, lest the processor learn the branches of one by heart.
@@ -160,18 +160,53 @@ fn mathematics(criterion: &mut Criterion) {
     }
 }
 
+/// All rows in turns at these points, and the crate.
+fn turns(batches: &[Batch]) -> Turns {
+    const ROUNDS: usize = 24;
+    let perlin = Perlin::new(0);
+    let mut runs: Vec<table::Run<'_>> = Vec::new();
+    for Row { name, dimensions, isa, field } in rows() {
+        let (again, mut out) = (field.clone(), vec![0.0; LANES]);
+        let noise = move || {
+            for p in batches {
+                let p = p.each_ref().map(Vec::as_slice);
+                field.noise(isa, black_box(&p[..dimensions]), black_box(&mut out));
+            }
+        };
+        let mut out: [Vec<f32>; 4] = std::array::from_fn(|_| vec![0.0; LANES]);
+        let slopes = move || {
+            for p in batches {
+                let p = p.each_ref().map(Vec::as_slice);
+                let mut out = out.each_mut().map(Vec::as_mut_slice);
+                again.derivative(isa, black_box(&p[..dimensions]), black_box(&mut out[..dimensions]));
+            }
+        };
+        runs.push((derivative(&name), Box::new(slopes)));
+        runs.push((name, Box::new(noise)));
+    }
+    let crate_noise = move || {
+        for [x, y, z, _] in batches {
+            let sum: f64 = (0..LANES).map(|i| perlin.get([x[i], y[i], z[i]].map(f64::from))).sum();
+            black_box(sum);
+        }
+    };
+    runs.push((CRATE.to_string(), Box::new(crate_noise)));
+    Turns::of(ROUNDS, runs)
+}
+
 /// The rows in nanoseconds a point, and as ratios to `gradient` at the same points.
-fn table(medians: &Medians) -> String {
+fn table() -> String {
+    let places = [turns(&clouds()), turns(&pictures())];
     let mut text = String::from(
         "| | Noise, scattered | ratio | Noise, coherent | ratio | Dnoise, scattered | ratio | Dnoise, coherent | ratio |\n\
          |---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
-    let cell = |place: &str, name: &str| {
-        let time = medians.of(place, name);
+    let cell = |turns: &Turns, name: &str| {
+        let time = turns.median(name) / (BATCHES * LANES) as f64;
         let places = usize::from(time < 100.0) + usize::from(time < 10.0);
-        format!(" {time:.places$} | {:.2} |", time / medians.of(place, "gradient"))
+        format!(" {time:.places$} | {:.2} |", turns.ratio(name, "gradient"))
     };
-    let both = |name: &str| PLACES.map(|place| cell(place, name)).concat();
+    let both = |name: &str| places.each_ref().map(|turns| cell(turns, name)).concat();
     for Row { name, .. } in rows() {
         let _ = writeln!(text, "| {name} |{}{}", both(&name), both(&derivative(&name)));
     }
@@ -186,11 +221,10 @@ criterion_group! {
 }
 
 fn main() {
-    let start = SystemTime::now();
+    if table::updating() {
+        table::update("noise", &table());
+        return;
+    }
     benches();
     Criterion::default().configure_from_args().final_summary();
-    let medians = Medians::since(start);
-    if !medians.is_empty() {
-        table::update("noise", || table(&medians));
-    }
 }

@@ -11,8 +11,8 @@ use pse::lanes::Isa;
 use pse::{Image, Program, RunOptions, Shape, Variable, scene};
 use std::borrow::Cow;
 use std::hint::black_box;
-use std::time::{Duration, SystemTime};
-use table::Medians;
+use std::time::Duration;
+use table::Turns;
 
 const WIDTH: usize = 1920;
 const HEIGHT: usize = 1080;
@@ -38,6 +38,21 @@ enum Frame {
     Pictures,
     /// The torus and a sky, of surfaces that are mixed pixel by pixel.
     Mixed,
+}
+
+impl Workload {
+    fn image<'a>(
+        &self,
+        torus: &'a Image<'a>,
+        pictures: &'a Image<'a>,
+        mixed: &'a Image<'a>,
+    ) -> &'a Image<'a> {
+        match self.frame {
+            Frame::Torus => torus,
+            Frame::Pictures => pictures,
+            Frame::Mixed => mixed,
+        }
+    }
 }
 
 macro_rules! workload {
@@ -148,11 +163,7 @@ fn measure(criterion: &mut Criterion) {
     let (mixed, pictures) = (mixed(&torus), pictures());
     for workload in &WORKLOADS {
         let program = Program::compile(workload.text).expect("the workloads are programs");
-        let image = match workload.frame {
-            Frame::Torus => &torus,
-            Frame::Pictures => &pictures,
-            Frame::Mixed => &mixed,
-        };
+        let image = workload.image(&torus, &pictures, &mixed);
         let mut group = criterion.benchmark_group(workload.name);
         group
             .throughput(Throughput::Elements(PIXELS as u64))
@@ -183,19 +194,37 @@ fn shown(nanoseconds: f64) -> String {
     if nanoseconds < 20.0 { format!("{nanoseconds:.1}") } else { format!("{nanoseconds:.0}") }
 }
 
-/// The table of what was measured.
-fn report(medians: &Medians) -> String {
+/// Every workload and its Rust in turns, as a table.
+fn report() -> String {
+    const ROUNDS: usize = 15;
     let header = ["", "1 thread", "2 threads", "1 / 2", "in Rust", "ratio", "wanted"];
+    let torus = torus();
+    let (mixed, pictures) = (mixed(&torus), pictures());
     let rows = WORKLOADS.iter().map(|workload| {
-        let [one, two, native] = ["pse 1", "pse 2", "native 1"].map(|name| medians.of(workload.name, name));
-        let ratio = |a: f64, b: f64| format!("{:.2}", a / b);
+        let program = Program::compile(workload.text).expect("the workloads are programs");
+        let image = workload.image(&torus, &pictures, &mixed);
+        compare(workload, &program, image);
+        let run = |threads: usize| {
+            let options = RunOptions { threads: Some(threads), ..RunOptions::default() };
+            drop(black_box(program.run(image, &options).expect("the workloads run")));
+        };
+        let turns = Turns::of(
+            ROUNDS,
+            vec![
+                ("one".to_string(), Box::new(|| run(1)) as Box<dyn FnMut()>),
+                ("two".to_string(), Box::new(|| run(2))),
+                ("native".to_string(), Box::new(|| drop(black_box((workload.native)(Isa::detect(), image))))),
+            ],
+        );
+        let time = |name: &str| shown(turns.median(name) / PIXELS as f64);
+        let ratio = |a: &str, b: &str| format!("{:.2}", turns.ratio(a, b));
         vec![
             workload.name.to_string(),
-            shown(one),
-            shown(two),
-            ratio(one, two),
-            shown(native),
-            ratio(one, native),
+            time("one"),
+            time("two"),
+            ratio("one", "two"),
+            time("native"),
+            ratio("one", "native"),
             workload.wanted.map_or_else(String::new, |wanted| format!("≤ {wanted}")),
         ]
     });
@@ -220,14 +249,12 @@ fn keep_memory() {
 }
 
 fn main() {
-    let start = SystemTime::now();
     keep_memory();
+    if table::updating() {
+        table::update("programs", &report());
+        return;
+    }
     let mut criterion = Criterion::default().without_plots().configure_from_args();
     measure(&mut criterion);
     criterion.final_summary();
-    let medians = Medians::since(start);
-    if !medians.is_empty() {
-        println!("{}", report(&medians));
-        table::update("programs", || report(&medians));
-    }
 }

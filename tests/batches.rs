@@ -42,7 +42,7 @@ impl Writer<'_> {
             };
         }
         let d = depth - 1;
-        match self.pick(20) {
+        match self.pick(22) {
             0 => format!("({} + {})", self.scalar(d), self.scalar(d)),
             1 => format!("({} - {})", self.scalar(d), self.scalar(d)),
             2 => format!("({} * {})", self.scalar(d), self.scalar(d)),
@@ -61,7 +61,9 @@ impl Writer<'_> {
             15 => format!("clamp({})", self.scalar(d)),
             16 => format!("spline({}, 0, 1, -1, 2, 0.5)", self.scalar(d)),
             17 => format!("-{}", self.scalar(d)),
-            18 => format!("fBm({}, octaves = 2.5, high = 100)", self.vector(d)),
+            18 => format!("Noise({}, seed = {})", self.vector(d), self.scalar(d)),
+            19 => format!("seeds({})", self.scalar(d)),
+            20 => format!("fBm({}, octaves = 2.5, high = 100)", self.vector(d)),
             _ => format!("early({}, {})", self.vector(d), self.scalar(d)),
         }
     }
@@ -156,6 +158,8 @@ fn program(choices: &[u8]) -> String {
     writer.text.push_str(
         "function deep(a, n)\n    if n <= 0 || a > 100\n        return a\n    return deep(a + x, n - 1)\n\
          function early(v, a)\n    for e in v\n        if e > a\n            return e * 2\n        a += y\n    return a\n\
+         function seeded(a)\n    return Noise(1, seed = a)\n\
+         function seeds(a)\n    j = 0\n    while j < 2\n        j += 1\n        b = seeded(a)\n    return b\n\
          s0 = x\ns1 = y\ns2 = 0.25\nk = 0\nv0 = [x y]\nv1 = p\n",
     );
     writer.block(0, false);
@@ -243,6 +247,46 @@ fn two_threads_equal_one_on_a_large_image() {
         report.image.variables[0].planes[0].iter().map(|x| x.to_bits()).collect::<Vec<_>>()
     };
     assert!(bits(1) == bits(2));
+}
+
+/// Lanes that part in shape or seed in the middle of calls and loops, which were run for the active lanes alone.
+#[test]
+fn lanes_part_in_the_middle_of_calls() {
+    let text = "function f1()\n    return Noise(1, seed = x)\n\
+                function f2()\n    j = 0\n    while j < 2\n        j += 1\n        b = f1()\n    return b\n\
+                color = 0\nn = 0\nwhile n < 1 && pixel.y < 19\n    n += 1\n    color = f2()\n";
+    let program = Program::compile(text).unwrap();
+    let planes = [(0..72 * 48).map(|i| f32::from(u8::from(i / 72 > 9 && i % 72 > 20))).collect::<Vec<f32>>()];
+    let image = Image::new(72, 48, [Variable::new("x", Shape::Scalar, planes).unwrap()]).unwrap();
+    let run = |batch| {
+        let options = RunOptions { batch: Some(batch), threads: Some(1), ..RunOptions::default() };
+        program.run(&image, &options).unwrap().image.variables[0].planes[0].to_vec()
+    };
+    assert!(run(2048) == run(1));
+}
+
+/// What is no number is the same one everywhere: its sign depends on the order of operands and on the machine.
+#[test]
+fn nans_are_alike() {
+    let text = "zero = pixel.x - pixel.x\nn = zero / zero\nm = -n\ns = n + 2 * m\nt = n + m * 2\n\
+                color = [Noise([0.3 0.4 0.5], seed = t), Noise([0.3 0.4 0.5], seed = s), 0]\nodd = [s t n m -n m ^ n]\n";
+    let program = Program::compile(text).unwrap();
+    let image = Image::new(100, 3, []).unwrap();
+    let run = |options: RunOptions<'_>| {
+        let outputs = Some(vec!["color".to_string(), "odd".to_string()]);
+        let report = program.run(&image, &RunOptions { outputs, ..options }).unwrap();
+        let planes = report.image.variables.iter().flat_map(|v| &v.planes);
+        planes.map(|p| p.iter().map(|x| x.to_bits()).collect::<Vec<u32>>()).collect::<Vec<_>>()
+    };
+    let known = run(RunOptions { batch: Some(1), isa: Some(Isa::baseline()), ..RunOptions::default() });
+    assert!(run(RunOptions::default()) == known);
+    assert!(run(RunOptions { no_optimize: true, ..RunOptions::default() }) == known);
+    assert!(
+        known[2..]
+            .iter()
+            .flatten()
+            .all(|x| *x == f32::NAN.to_bits() || *x == 0 || f32::from_bits(*x).is_finite())
+    );
 }
 
 /// An error is that of the first pixel in reading order, wherever in the program it happens.

@@ -50,9 +50,11 @@ pub fn coordinates(p: &Value) -> Result<&Planes, Fault> {
     }
 }
 
-/// A seed: every number is another one, 0 and -0 the same.
+/// A seed: every number is another one, 0 and -0 the same, and all that are no number.
 pub fn seed(call: &Call<'_>, arg: usize) -> Result<u32, Fault> {
-    Ok((call.same_everywhere(arg)? + 0.0).to_bits())
+    let seed = call.same_everywhere(arg)? + 0.0;
+    // The sign of a NaN differs from machine to machine.
+    Ok(if seed.is_nan() { f32::NAN } else { seed }.to_bits())
 }
 
 /// The kind, which is the argument `first`, and the parameters that follow it.

@@ -4,6 +4,7 @@ use super::machine::Machine;
 use super::pixels::Pixels;
 use crate::diagnostic::Diagnostic;
 use crate::image::Variable;
+use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::Resolved;
 use crate::shape::Shape;
@@ -95,22 +96,34 @@ pub(super) fn write(
             } else {
                 &value.planes[cell]
             };
-            put(plane, &slot.defined, pixels, start, out);
+            put(machine.isa, plane, &slot.defined, pixels, start, out);
         }
     }
     Ok(())
 }
 
-fn put(plane: &Plane, defined: &Mask, pixels: Pixels<'_>, start: usize, out: &mut [f32]) {
+/// The same number, and of all that are none the same: which sign and payload a NaN has depends on the machine and on
+/// the order of operands.
+#[inline(always)]
+fn proper(x: f32) -> f32 {
+    if x.is_nan() { f32::NAN } else { x }
+}
+
+fn put(isa: Isa, plane: &Plane, defined: &Mask, pixels: Pixels<'_>, start: usize, out: &mut [f32]) {
     let n = pixels.len();
     match (pixels, defined, plane) {
         (Pixels::Run(first, n), Mask::All, Plane::Varying(lanes)) => {
-            out[first - start..][..n].copy_from_slice(lanes.get(n));
+            let out = &mut out[first - start..][..n];
+            isa.run(|| {
+                for (out, x) in out.iter_mut().zip(lanes.get(n)) {
+                    *out = proper(*x);
+                }
+            });
         }
-        (Pixels::Run(first, n), Mask::All, Plane::Uniform(x)) => out[first - start..][..n].fill(*x),
+        (Pixels::Run(first, n), Mask::All, Plane::Uniform(x)) => out[first - start..][..n].fill(proper(*x)),
         _ => {
             for lane in defined.lanes(n) {
-                out[pixels.at(lane) - start] = plane.lane(lane);
+                out[pixels.at(lane) - start] = proper(plane.lane(lane));
             }
         }
     }

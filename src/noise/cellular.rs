@@ -44,7 +44,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.172,
         lattice: "a distance as elsewhere, of mean 0.54",
         smoothness: Smoothness::C0,
-        cost: 1.9,
+        cost: 3.5,
         source: "Worley 1996",
         remarks: "One feature point a cell, and the search for the nearest is exact. Mean and standard \
             deviation (never below 0, so the mean is not 0):\n\n\

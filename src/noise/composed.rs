@@ -37,7 +37,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.143,
         lattice: "random, as anywhere else",
         smoothness: Smoothness::C1,
-        cost: 1.5,
+        cost: 4.0,
         source: "Peachey 1985, after Lewis 1989, section 2.4",
         remarks: "No correlation of it is intrinsically three-dimensional, and the axes show: it is here so \
                   that one can see what Lewis objects to. The product is quiet in some regions and violent \

@@ -25,7 +25,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.3,
         lattice: "any, as elsewhere",
         smoothness: Smoothness::C1,
-        cost: 190.0,
+        cost: 330.0,
         source: "Lagae et al. 2009, section 3",
         remarks: "Unbounded in principle; of a million points one is beyond ±1.7, and one of a thousand beyond ±1.05. \
                   By default frequency is 1 and bandwidth one octave, between the frequencies of half the amplitude; \
@@ -71,6 +71,12 @@ fn make<const D: usize>(params: &Params) -> Made {
     impulses::field(Box::new(Gabor(Bell::gaussian(radius / side))), Some(waves), &layout, params)
 }
 
+/// A number to about two digits, as a reader would write it.
+fn two(x: f64) -> String {
+    let places = (1.0 - libm::floor(libm::log10(x))).max(0.0) as usize;
+    format!("{x:.places$}")
+}
+
 /// The layout of the best cells.
 fn layout<const D: usize>(params: &Params, of: impl Fn(i32) -> Layout) -> Result<Layout, Unfit> {
     let period = params.period::<D>()?.unwrap_or([0.0; D]);
@@ -90,8 +96,11 @@ fn layout<const D: usize>(params: &Params, of: impl Fn(i32) -> Layout) -> Result
         if layout.fits(D) {
             return Ok(layout);
         }
-        let message =
-            format!("density must be from {least:.2e} to {most:.2e} for waves that reach {radius:.2} units");
+        let message = format!(
+            "density must be from {} to {} for waves that reach {radius:.2} units",
+            two(least),
+            two(most)
+        );
         return Err(Unfit::of(Opt::Density, format!("{message}, found {density}")));
     }
     let message =

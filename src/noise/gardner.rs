@@ -42,7 +42,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.27,
         lattice: "any",
         smoothness: Smoothness::Analytic,
-        cost: 4.2,
+        cost: 6.0,
         source: "Gardner 1984 and 1985; Lewis 1989, section 2.4; Peachey, \"Spectral Synthesis\"",
         remarks: "A pattern without chance. It never repeats exactly, but nearly: large features return \
             about every 10 units, and shifts by larger distances may give almost the same again. With \

@@ -33,7 +33,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.384,
         lattice: "even in -1 … 1",
         smoothness: Smoothness::C1,
-        cost: 1.1,
+        cost: 1.4,
         source: "Ward 1991; Peachey, \"Value-Gradient Noise\"",
         remarks: "Its spectrum rises evenly from 0 to its peak near 0.28 cycles a unit and falls evenly to \
                   nothing at 1 (0.35 % lies above): low, and too wide to add up octaves neatly. Components \

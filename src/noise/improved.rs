@@ -24,7 +24,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.229,
         lattice: "0",
         smoothness: Smoothness::C2,
-        cost: 1.0,
+        cost: 1.2,
         source: "Perlin 2002, \"Improving Noise\"",
         remarks: "The paper also takes the middles of a cube's edges for gradients, twelve of them: that \
                   spares multiplications, and keeps gradients off the axes. Here they are even over the \

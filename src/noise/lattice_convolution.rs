@@ -30,7 +30,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.426,
         lattice: "even in -1 … 1, and a little of the neighbours'",
         smoothness: Smoothness::C1,
-        cost: 3.4,
+        cost: 6.0,
         source: "Peachey, \"Lattice Convolution Noise\"",
         remarks: "The filter's second derivative jumps at the distances 1 and 2 and is continuous at 0. \
                   Peachey reads the filter from a table; here it is computed exactly. In three dimensions \

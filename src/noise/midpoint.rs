@@ -48,7 +48,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.3,
         lattice: "Gaussian, as everywhere",
         smoothness: Smoothness::C2,
-        cost: 2.4,
+        cost: 3.5,
         source: "Fournier, Fussell and Carpenter 1982; Saupe 1988; Peachey, \"Explicit Noise Algorithms\"",
         remarks: "It repeats after 512 units in one dimension, 256 in two, 32 in three. Its values are \
                   Gaussian: the bounds are the extremes of 300 seeds. Mean and deviation are those of a \

@@ -22,7 +22,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.26,
         lattice: "even in -½ … ½",
         smoothness: Smoothness::C1,
-        cost: 1.1,
+        cost: 1.2,
         source: "Perlin 1985, \"Noise()\"",
         remarks: "Of a million points all were within ±1.",
     },

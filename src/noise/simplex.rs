@@ -42,7 +42,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.388,
         lattice: "any: its lattice is another, skewed one; the origin belongs to both, and there it is 0",
         smoothness: Smoothness::C3,
-        cost: 0.8,
+        cost: 1.3,
         source: "Perlin 2001, \"Noise hardware\"; Gustavson 2005",
         remarks: "Its frequencies are about 1.9 times those of `gradient`: in three dimensions 22 % of its \
             energy are below 0.6 cycles a unit, 57 % from there to 1.25. Fewer coordinates are not a section \

@@ -29,7 +29,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.3,
         lattice: "any, as elsewhere",
         smoothness: Smoothness::C1,
-        cost: 13.0,
+        cost: 19.0,
         source: "Lewis 1989, section 4; Peachey, \"Sparse Convolution Noise\"",
         remarks: "Unbounded in principle; of a million points one is beyond ±1.9, and one of a thousand beyond ±1.14. \
                   By default density is 3 and the kernel `cosine`, ½ + ½ cos πr; `gaussian` has deviation ⅓; both \

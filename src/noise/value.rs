@@ -21,7 +21,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.424,
         lattice: "even in -1 … 1",
         smoothness: Smoothness::C1,
-        cost: 1.5,
+        cost: 3.0,
         source: "Peachey, \"Value Noise\"",
         remarks: "The noise for those who want low frequencies: 41 % of its energy lies below 0.3 cycles a \
                   unit, and 0.01 % above 1. It passes through its random values; its second derivative \

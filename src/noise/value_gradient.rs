@@ -28,7 +28,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.252,
         lattice: "even in -½ … ½",
         smoothness: Smoothness::C1,
-        cost: 2.4,
+        cost: 4.7,
         source: "Peachey, \"Value-Gradient Noise\"",
         remarks: "With `weights = [1 0]` it is `value` of the same seed, with `[0 1]` a gradient noise, unrelated \
                   to `gradient` of that seed. By halves the value noise has 70 % of the energy; 34 % of the \
@@ -61,6 +61,7 @@ fn weights(params: &Params) -> Result<[f32; 2], Unfit> {
         Unfit::of(Opt::Weights, message)
     })?;
     match weights.iter().find(|w| !(-MOST..=MOST).contains(*w)) {
+        None if weights == [0.0; 2] => Err(Unfit::of(Opt::Weights, "weights must not both be 0".to_string())),
         None => Ok(weights),
         Some(w) => Err(Unfit::of(Opt::Weights, format!("weights must be from -{MOST} to {MOST}, found {w}"))),
     }

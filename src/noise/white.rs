@@ -22,7 +22,7 @@ pub static KIND: Kind = Kind {
         deviation: 0.577,
         lattice: "even in -1 … 1",
         smoothness: Smoothness::Discontinuous,
-        cost: 0.2,
+        cost: 0.4,
         source: "Lewis 1989, section 2.2",
         remarks: "Its derivative is 0. It has energy at all frequencies, so pictures of it alias.",
     },

@@ -62,7 +62,7 @@ pub static KIND: Kind = Kind {
         lattice: "random, nearly gaussian, in -1.22 … 1.22",
         // The value is continuous to the bit; the slope jumps by 7 % of its root mean square.
         smoothness: Smoothness::C0,
-        cost: 4.1,
+        cost: 6.0,
         source: "Lewis 1989, section 3",
         remarks: REMARKS,
     },

@@ -50,7 +50,11 @@ pub fn all(common: &Common<'_>) -> Result<Vec<Row>, Failure> {
 /// The kind of a name.
 pub fn kind(name: &str) -> Result<&'static Kind, Failure> {
     Kind::from_name(name).ok_or_else(|| {
-        let failure = Failure::usage(format!("there is no noise called `{name}`"));
+        let failure = Failure::usage(format!("there is no kind of noise called `{name}`"));
+        if SUMS.iter().any(|(sum, ..)| *sum == name) {
+            return failure
+                .hint(format!("It is a sum of octaves, which can be of any kind; see `pse doc {name}`."));
+        }
         match nearest(name, names()) {
             Some(near) => failure.hint(format!("Did you mean {near}?")),
             None => failure.hint(format!("There are {}.", names().collect::<Vec<_>>().join(", "))),

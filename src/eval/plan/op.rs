@@ -1,6 +1,6 @@
 //! What a step of a plan computes.
 
-use super::strip::{Block, Zip, zip};
+use super::strip::{Block, Zip, zip_numbers};
 use crate::builtin::{Curve, Lanes2, Lanes3, Octaves};
 use crate::lanes::{Arg, Isa};
 use crate::noise::Field;
@@ -158,7 +158,7 @@ macro_rules! kernels {
         /// `a ∘ b`
         fn arith(a: Arith) -> Zip {
             match a {
-                $(Arith::$name => |isa, args, out| zip(isa, args, out, |[a, b]| a $op b),)*
+                $(Arith::$name => |isa, args, out| zip_numbers(isa, args, out, |[a, b]| a $op b),)*
             }
         }
     };
@@ -169,13 +169,13 @@ macro_rules! pairs {
     ($(($outer:ident $o:tt, $inner:ident $i:tt)),*) => {
         fn left(outer: Arith, inner: Arith) -> Zip {
             match (outer, inner) {
-                $((Arith::$outer, Arith::$inner) => |isa, args, out| zip(isa, args, out, |[a, b, c]| (a $i b) $o c),)*
+                $((Arith::$outer, Arith::$inner) => |isa, args, out| zip_numbers(isa, args, out, |[a, b, c]| (a $i b) $o c),)*
             }
         }
 
         fn right(outer: Arith, inner: Arith) -> Zip {
             match (outer, inner) {
-                $((Arith::$outer, Arith::$inner) => |isa, args, out| zip(isa, args, out, |[a, b, c]| a $o (b $i c)),)*
+                $((Arith::$outer, Arith::$inner) => |isa, args, out| zip_numbers(isa, args, out, |[a, b, c]| a $o (b $i c)),)*
             }
         }
     };

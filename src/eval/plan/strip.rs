@@ -60,3 +60,57 @@ impl<const N: usize, F: Fn([f32; N]) -> f32> Kernel for Zipped<'_, N, F> {
         }
     }
 }
+
+/// The like for the most frequent operators: what is the same in all lanes is kept in a register.
+///
+/// # Panics
+/// If there are not `N` arguments, 2 or 3, or if one is neither a single block nor as long as the output.
+#[inline]
+pub fn zip_numbers<const N: usize>(
+    isa: Isa,
+    args: &[&[Block]],
+    out: &mut [Block],
+    f: impl Fn([f32; N]) -> f32,
+) {
+    const { assert!(N == 2 || N == 3) };
+    let args: [&[Block]; N] = std::array::from_fn(|k| args[k]);
+    // An output of one block is as long as a number.
+    let known = (0..N).fold(0, |known, k| known | usize::from(args[k].len() < out.len()) << k);
+    match known {
+        0 => isa.run(WithNumbers::<N, 0, _> { args, out, f }),
+        1 => isa.run(WithNumbers::<N, 1, _> { args, out, f }),
+        2 => isa.run(WithNumbers::<N, 2, _> { args, out, f }),
+        3 => isa.run(WithNumbers::<N, 3, _> { args, out, f }),
+        4 => isa.run(WithNumbers::<N, 4, _> { args, out, f }),
+        5 => isa.run(WithNumbers::<N, 5, _> { args, out, f }),
+        6 => isa.run(WithNumbers::<N, 6, _> { args, out, f }),
+        _ => isa.run(WithNumbers::<N, 7, _> { args, out, f }),
+    }
+}
+
+/// The arguments whose bit is set in `KNOWN` are numbers.
+struct WithNumbers<'a, const N: usize, const KNOWN: usize, F> {
+    args: [&'a [Block]; N],
+    out: &'a mut [Block],
+    f: F,
+}
+
+impl<const N: usize, const KNOWN: usize, F: Fn([f32; N]) -> f32> Kernel for WithNumbers<'_, N, KNOWN, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let n = self.out.len();
+        let numbers: [f32; N] = std::array::from_fn(|k| self.args[k][0][0]);
+        let args: [&[Block]; N] =
+            std::array::from_fn(|k| if KNOWN >> k & 1 == 1 { self.args[k] } else { &self.args[k][..n] });
+        for (b, out) in self.out.iter_mut().enumerate() {
+            let mut result = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                result[i] = (self.f)(std::array::from_fn(|k| {
+                    if KNOWN >> k & 1 == 1 { numbers[k] } else { args[k][b][i] }
+                }));
+            }
+            *out = result;
+        }
+    }
+}
