@@ -74,7 +74,8 @@ fn make<const D: usize>(params: &Params) -> Made {
 /// A number to about two digits, as a reader would write it.
 fn two(x: f64) -> String {
     let places = (1.0 - libm::floor(libm::log10(x))).max(0.0) as usize;
-    format!("{x:.places$}")
+    let text = format!("{x:.places$}");
+    if places > 0 { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
 /// The layout of the best cells.
@@ -186,7 +187,7 @@ mod tests {
         };
         let plain = Params::default();
         for (params, message) in [
-            (plain.clone().with(Opt::Density, &[100.0]), "density must be from 1.00e-2 to 6.40e1"),
+            (plain.clone().with(Opt::Density, &[100.0]), "density must be from 0.01 to 64"),
             (plain.clone().with(Opt::Density, &[0.0]), "density must be from"),
             (plain.clone().with(Opt::Frequency, &[0.0]), "frequency must be from 0.01 to 100"),
             (plain.clone().with(Opt::Bandwidth, &[9.0]), "bandwidth must be from 0.1 to 4"),

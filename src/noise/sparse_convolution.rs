@@ -34,7 +34,7 @@ pub static KIND: Kind = Kind {
         remarks: "Unbounded in principle; of a million points one is beyond ±1.9, and one of a thousand beyond ±1.14. \
                   By default density is 3 and the kernel `cosine`, ½ + ½ cos πr; `gaussian` has deviation ⅓; both \
                   reach one unit, as do `knots`, of which the last must be 0. `catmull_rom` reaches two, so it \
-                  takes five times as long. `gabor` is the Gaussian times a cosine of `frequency`, by default 1, along \
+                  takes about six times as long. `gabor` is the Gaussian times a cosine of `frequency`, by default 1, along \
                   `direction`, by default the first axis. The excess kurtosis is about 2 / density.",
     },
     make: |d, params| match d {

@@ -26,7 +26,7 @@ fn the_kinds_are_listed() {
         assert!(one.starts_with(kind.name) && one.contains(kind.contract.source), "{one}");
         assert!(all.contains(&one), "{all}");
     }
-    f.bad(2, "noise --list gradiant", &["no noise called `gradiant`", "Did you mean gradient?"]);
+    f.bad(2, "noise --list gradiant", &["no kind of noise called `gradiant`", "Did you mean gradient?"]);
     f.bad(2, "noise --list -o a.png", &["--list"]);
 }
 
@@ -72,7 +72,7 @@ fn options_change_the_noise() {
 #[test]
 fn wrong_arguments_are_said_and_leave_no_file() {
     let f = Folder::new();
-    f.bad(2, "noise gradiant -o a.png", &["no noise called `gradiant`", "Did you mean gradient?"]);
+    f.bad(2, "noise gradiant -o a.png", &["no kind of noise called `gradiant`", "Did you mean gradient?"]);
     f.bad(2, "noise qqqqqqqq -o a.png", &["There are perlin1985, gradient"]);
     f.bad(2, "noise turbo:gradient -o a.png", &["no sum called `turbo`", "turbulence"]);
     f.bad(2, "noise gradient --set perod=4 -o a.png", &["Did you mean period?"]);

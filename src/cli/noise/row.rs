@@ -232,9 +232,9 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         for (text, words) in [
-            ("gradiant", "no noise called `gradiant`"),
+            ("gradiant", "no kind of noise called `gradiant`"),
             ("turbo:gradient", "no sum called `turbo`"),
-            ("turbulence:turbulence", "no noise called `turbulence`"),
+            ("turbulence:turbulence", "no kind of noise called `turbulence`"),
             ("gradient,density=3", "takes no density"),
             ("gradient,perod=3", "no noise takes an option called `perod`"),
             ("gradient,period=x", "period is a number"),
