@@ -265,6 +265,24 @@ fn lanes_part_in_the_middle_of_calls() {
     assert!(run(2048) == run(1));
 }
 
+/// What a plan comes upon that goes wrong is told as the walk tells it, with the calls that led there.
+#[test]
+fn errors_in_what_is_kept_have_their_calls() {
+    let text = "function bad()\n    v = [1 2]\n    return v[3]\n\
+                function f(a)\n    q = a + 1\n    w = q + bad()\n    return w\n\
+                color = f(pixel.x)\n";
+    let program = Program::compile(text).unwrap();
+    let image = Image::new(64, 8, []).unwrap();
+    let told = |batch, no_optimize| {
+        let options = RunOptions { batch: Some(batch), no_optimize, ..RunOptions::default() };
+        program.run(&image, &options).unwrap_err().to_string()
+    };
+    let known = told(1, true);
+    assert!(known.contains("bad"), "{known}");
+    assert_eq!(told(2048, false), known);
+    assert_eq!(told(2048, true), known);
+}
+
 /// What is no number is the same one everywhere: its sign depends on the order of operands and on the machine.
 #[test]
 fn nans_are_alike() {

@@ -180,14 +180,8 @@ impl<'r> Machine<'r> {
         let counts = self.set_width(lanes.count, |counts| {
             lanes.pieces().flat_map(|(whole, _)| counts[whole].to_vec()).collect()
         });
-        let (base, locals, calls) = (self.base, self.locals.len(), self.calls.len());
-        let outcome = part(self);
-        if outcome.is_err() {
-            // It may have been left in the middle of a call.
-            self.base = base;
-            self.locals.truncate(locals);
-            self.calls.truncate(calls);
-        }
+        // The slots below are those of the call that runs now.
+        let outcome = self.guarded(part);
         let dense_counts = self.restore_width(n, counts);
         if let (Some(all), Some(dense)) = (self.counts_mut(), dense_counts) {
             for (whole, at) in lanes.pieces() {

@@ -259,6 +259,21 @@ impl<'r> Machine<'r> {
         Err(self.fault(error, lane))
     }
 
+    /// Does something that a fault may leave in the middle of a call or a loop, and comes back from it in any case.
+    pub fn guarded<T>(&mut self, f: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
+        let (base, at) = (self.base, self.at);
+        let depths = (self.locals.len(), self.calls.len(), self.frames.len(), self.loops.len());
+        let outcome = f(self);
+        if outcome.is_err() {
+            (self.base, self.at) = (base, at);
+            self.locals.truncate(depths.0);
+            self.calls.truncate(depths.1);
+            self.frames.truncate(depths.2);
+            self.loops.truncate(depths.3);
+        }
+        outcome
+    }
+
     /// Computes what is kept for the frame, on steps of its own: it is not done again at every pixel, and must
     /// not count at the one that happens to come first.
     pub fn keep(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {

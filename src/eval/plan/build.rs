@@ -14,9 +14,11 @@ use crate::value::{Mask, Plane, Value, broadcast_shape};
 use std::collections::HashMap;
 
 /// The most operations of a plan.
-const MOST: usize = 4096;
+pub const MOST: usize = 4096;
 /// The most rounds and calls that are followed.
 const ROUNDS: u32 = 8192;
+/// The most numbers of a variable: plans are for small vectors.
+const CELLS: usize = 1024;
 /// How deep calls are followed.
 const DEPTH: usize = 16;
 /// The most work in a block of which only some lanes want the result: more is left to them alone.
@@ -186,7 +188,7 @@ impl<'m, 'r> Builder<'m, 'r> {
                 let vector = self.expr(vector)?;
                 for i in 0..vector.shape.len().ok_or(GiveUp)? {
                     self.round()?;
-                    self.set(*place, vector.element(i));
+                    self.set(*place, vector.element(i))?;
                     match self.block(body)? {
                         Flow::On | Flow::Continue => {}
                         Flow::Break => break,
@@ -294,8 +296,7 @@ impl<'m, 'r> Builder<'m, 'r> {
                     self.binary(op, &old, &right)?
                 }
             };
-            self.set(place, value);
-            return Ok(());
+            return self.set(place, value);
         }
         let [step] = path else { return Err(GiveUp) };
         let i = match step {
@@ -315,8 +316,7 @@ impl<'m, 'r> Builder<'m, 'r> {
             }
         };
         vector.cells[i] = value.as_scalar()?;
-        self.set(place, vector);
-        Ok(())
+        self.set(place, vector)
     }
 
     /// An index that is the same in all lanes, counted from 0.
@@ -331,11 +331,15 @@ impl<'m, 'r> Builder<'m, 'r> {
         self.frames.last_mut().unwrap_or(&mut self.outer)
     }
 
-    fn set(&mut self, place: Place, value: Val) {
+    fn set(&mut self, place: Place, value: Val) -> Result<(), GiveUp> {
+        if value.cells.len() > CELLS {
+            return Err(GiveUp);
+        }
         if self.frames.is_empty() && !self.assigned.contains(&place) {
             self.assigned.push(place);
         }
         self.variables().insert(place, value);
+        Ok(())
     }
 
     /// A variable's value.
@@ -358,7 +362,8 @@ impl<'m, 'r> Builder<'m, 'r> {
         if let Some(read) = self.reads.iter().find(|read| read.place == place) {
             return Ok(read.value.clone());
         }
-        if let Some((variable, _)) = self.machine.untouched(place) {
+        let untouched = self.machine.untouched(place);
+        if let Some((variable, _)) = untouched.filter(|(variable, _)| variable.planes.len() <= CELLS) {
             let (first, planes) = (self.inputs.len(), variable.planes.len());
             let variables = self.reads.len();
             self.inputs.extend((0..planes).map(|k| (variables, k)));
@@ -372,7 +377,7 @@ impl<'m, 'r> Builder<'m, 'r> {
         if !self.mask.is_subset(&slot.defined, width) {
             return Err(GiveUp);
         }
-        let value = slot.value.as_ref().ok_or(GiveUp)?;
+        let value = slot.value.as_ref().filter(|value| value.planes.len() <= CELLS).ok_or(GiveUp)?;
         let mut cells = Cells::new();
         for (k, plane) in value.planes.iter().enumerate() {
             cells.push(match plane {

@@ -1,6 +1,6 @@
 //! Expressions of a plan.
 
-use super::build::{Builder, GiveUp, Val};
+use super::build::{Builder, GiveUp, MOST, Val};
 use super::graph::{Cell, Cells};
 use super::op::{Arith, Op};
 use super::strip::{Zip, zip};
@@ -27,7 +27,8 @@ fn reciprocal(cell: Cell) -> Option<Cell> {
 impl<'r> Builder<'_, 'r> {
     pub fn expr(&mut self, e: &'r Expr) -> Result<Val, GiveUp> {
         self.depth += 1;
-        let value = if self.depth > NESTING { Err(GiveUp) } else { self.expr_here(e) };
+        let deep = self.depth > NESTING || self.graph.nodes.len() > MOST;
+        let value = if deep { Err(GiveUp) } else { self.expr_here(e) };
         self.depth -= 1;
         value
     }
@@ -43,7 +44,9 @@ impl<'r> Builder<'_, 'r> {
                 if reads.iter().any(|&i| self.machine.bound.sources[i as usize].varies()) {
                     return self.expr(inner);
                 }
-                let value = self.machine.keep(inner, self.mask).map_err(|_| GiveUp)?;
+                // What goes wrong here will go wrong again in the walk, which can tell it.
+                let mask = self.mask;
+                let value = self.machine.guarded(|machine| machine.keep(inner, mask)).map_err(|_| GiveUp)?;
                 self.machine.kept[*id as usize] = Some(value.clone());
                 Ok(Val::from(&value))
             }
