@@ -24,6 +24,6 @@ pub use crate::diagnostic::{Diagnostic, Style};
 pub use crate::eval::{BATCH, BatchArguments, BatchResult, HostFunction};
 pub use crate::host::Host;
 pub use crate::image::{Image, Variable};
-pub use crate::program::{Compiler, Error, Failure, Limits, Program, Progress, Report, RunOptions};
+pub use crate::program::{Compiler, Error, Failure, Limits, Program, Progress, Report, RunOptions, Stream};
 pub use crate::shape::Shape;
 pub use crate::value::PixelValue;

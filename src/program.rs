@@ -8,6 +8,7 @@ use crate::resolve::{self, HostFunctions, Resolved};
 use crate::shape::Shape;
 use crate::value::PixelValue;
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
 pub use crate::eval::{Failure, Limits, Options as RunOptions, Progress, Report};
@@ -92,6 +93,27 @@ impl Program {
         eval::run(&self.resolved, image, options).map_err(|f| self.error(f))
     }
 
+    /// Begins a run over an image that comes a few rows at a time, because it is large or still being made.
+    ///
+    /// ```
+    /// use pse::{Image, Program, RunOptions, Shape, Variable};
+    ///
+    /// let program = Program::compile("color = white * pixel.y / resolution.y")?;
+    /// let options = RunOptions::default();
+    /// let mut stream = program.stream(&options);
+    /// for top in [0, 16] {
+    ///     let mut band = Image::new(64, 16, [])?;
+    ///     band.metadata.origin = [0, top];
+    ///     band.metadata.resolution = Some([64, 32]);
+    ///     let report = stream.rows(&band, 0..16)?.expect("all rows have colours alike");
+    ///     assert_eq!(report.image.variables[0].planes[0][0], (top as f32 + 0.5) / 32.0);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn stream<'p>(&'p self, options: &'p RunOptions<'p>) -> Stream<'p> {
+        Stream { program: self, inner: eval::Stream::new(&self.resolved, options) }
+    }
+
     /// Runs it at one pixel that has the given variables: what it assigns there, by name.
     ///
     /// ```
@@ -166,6 +188,26 @@ impl Program {
             Failure::Cancelled => (vec![Diagnostic::bare("cancelled", "the run was cancelled")], true),
         };
         Error { diagnostics, sources: self.resolved.sources.clone(), cancelled }
+    }
+}
+
+/// A run over an image that comes a few rows at a time, from the top down; see [`Program::stream`].
+pub struct Stream<'p> {
+    program: &'p Program,
+    inner: eval::Stream<'p>,
+}
+
+impl Stream<'_> {
+    /// Runs the next rows: those `rows` of what `image` holds. There may be others about them; a program that reads
+    /// `pixelsize` needs one above and one below. `metadata` says where in the picture the image lies.
+    ///
+    /// `None`: an output has more components here than it had in the rows before. They must all be run again, from the
+    /// first on, and will then have as many.
+    ///
+    /// # Errors
+    /// As [`Program::run`].
+    pub fn rows(&mut self, image: &Image<'_>, rows: Range<usize>) -> Result<Option<Report>, Error> {
+        self.inner.rows(image, rows).map_err(|f| self.program.error(f))
     }
 }
 

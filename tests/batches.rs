@@ -265,6 +265,24 @@ fn lanes_part_in_the_middle_of_calls() {
     assert!(run(2048) == run(1));
 }
 
+/// The limit on steps is each lane's own, also of a lane that is gathered alone from a batch that took more.
+#[test]
+fn steps_are_counted_for_each_lane() {
+    let text = "i = 0\nwhile x < 1 && i < 101\n    i += 1\n\
+                while x >= 1\n    j = 0\n    while j < 1\n        j += 1\ncolor = i\n";
+    let program = Program::compile(text).unwrap();
+    let planes = [(0..64).map(|i| f32::from(u8::from(i == 3))).collect::<Vec<f32>>()];
+    let image = Image::new(64, 1, [Variable::new("x", Shape::Scalar, planes).unwrap()]).unwrap();
+    for steps in 3000..3006 {
+        let told = |batch| {
+            let limits = Limits { steps, ..Limits::default() };
+            let options = RunOptions { batch: Some(batch), limits, ..RunOptions::default() };
+            program.run(&image, &options).unwrap_err().to_string()
+        };
+        assert_eq!(told(64), told(1));
+    }
+}
+
 /// What a plan comes upon that goes wrong is told as the walk tells it, with the calls that led there.
 #[test]
 fn errors_in_what_is_kept_have_their_calls() {

@@ -4,6 +4,8 @@ use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "cli/bands.rs"]
+mod bands;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/noise.rs"]

@@ -3,7 +3,9 @@
 use super::failure::Failure;
 use super::frames;
 use super::region::Region;
-use crate::image::{ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, read};
+use crate::image::{ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, Rows, read};
+use crate::scene::Renderer;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -69,6 +71,62 @@ pub(super) struct Opened {
     pub file: File,
 }
 
+/// The images of a run, read from the top down as if they were one.
+pub(super) struct Reader<'i> {
+    scene: Option<&'i Renderer>,
+    /// Each file, with the names that its variables have in the program.
+    files: Vec<(Rows<'i>, Vec<String>)>,
+    /// Size and windows of the whole, without any variable.
+    about: Image<'static>,
+}
+
+impl Reader<'_> {
+    /// Size and windows of the whole, without any variable.
+    pub fn about(&self) -> &Image<'static> {
+        &self.about
+    }
+
+    /// The names of all variables that it reads.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let scene = self.scene.into_iter().flat_map(|s| s.names()).map(|name| -> &str { name });
+        scene.chain(self.files.iter().flat_map(|(_, names)| names).map(String::as_str))
+    }
+
+    /// The next rows, which may begin again with the last ones that were read.
+    pub fn read(&mut self, rows: Range<usize>) -> Result<Image<'static>, Failure> {
+        let mut whole = self.scene.map(|scene| scene.rows(rows.clone())).transpose()?;
+        for (file, names) in &mut self.files {
+            let mut image = file.read(rows.clone())?;
+            for (variable, name) in image.variables.iter_mut().zip(names) {
+                variable.name.clone_from(name);
+            }
+            match &mut whole {
+                Some(whole) => whole.variables.extend(image.variables),
+                None => whole = Some(image),
+            }
+        }
+        Ok(whole.unwrap_or_default())
+    }
+}
+
+/// A program sees one pixel of each image at a time.
+fn same_window(first: &str, one: &Image<'_>, name: &str, other: &Image<'_>) -> Result<(), Failure> {
+    if Region::held(one) == Region::held(other) && one.resolution() == other.resolution() {
+        return Ok(());
+    }
+    let tell = |name: &str, image: &Image<'_>| {
+        let [w, h] = image.resolution();
+        let window = match [image.width, image.height] == [w, h] {
+            true => String::new(),
+            false => format!(" (holding {})", Region::held(image)),
+        };
+        format!("{name} is {w}x{h}{window}")
+    };
+    Err(Failure::plain("the inputs are of different sizes")
+        .hint(format!("{}, {}.", tell(first, one), tell(name, other)))
+        .hint("A program sees one pixel of each at a time, so their windows must agree."))
+}
+
 /// The images of a run.
 pub(super) struct Inputs {
     /// In the order of the arguments.
@@ -106,11 +164,20 @@ impl Inputs {
         Ok(Inputs { list })
     }
 
-    /// Reads what `wanted` names and the files have, into one image; `base`, a scene, comes first.
-    pub fn load(&self, base: Option<Image<'static>>, wanted: &[String]) -> Result<Image<'static>, Failure> {
+    /// Prepares to read what `wanted` names and the files have; a scene comes first.
+    pub fn reader<'i>(
+        &'i self,
+        scene: Option<&'i Renderer>,
+        wanted: &[String],
+    ) -> Result<Reader<'i>, Failure> {
         let mut taken: Vec<&str> = Vec::new();
-        let (mut merged, mut first) = (base, "the scene".to_string());
-        for (i, Opened { name, file }) in self.list.iter().enumerate() {
+        let mut reader = Reader { scene, files: Vec::new(), about: Image::default() };
+        let mut first: Option<String> = None;
+        if let Some(scene) = scene {
+            [reader.about.width, reader.about.height] = scene.size();
+            first = Some("the scene".to_string());
+        }
+        for Opened { name, file } in &self.list {
             let mut names = Vec::new();
             for full in wanted {
                 let own = match name {
@@ -126,37 +193,18 @@ impl Inputs {
                 }
             }
             let own: Vec<&str> = names.iter().map(|(own, _)| *own).collect();
-            let mut image = file.load(&own)?;
-            for (variable, (_, full)) in image.variables.iter_mut().zip(&names) {
-                variable.name = full.to_string();
-            }
+            reader.files.push((file.rows(&own)?, names.iter().map(|(_, full)| full.to_string()).collect()));
             if name.is_none() {
                 taken.extend(own);
             }
-            let Some(all) = &mut merged else {
-                merged = Some(image);
-                first = self.list[i].file.name();
-                continue;
-            };
-            let (one, other) = (Region::held(all), Region::held(&image));
-            if one != other || all.resolution() != image.resolution() {
-                let tell = |name: &str, image: &Image<'_>| {
-                    let [w, h] = image.resolution();
-                    let window = match [image.width, image.height] == [w, h] {
-                        true => String::new(),
-                        false => format!(" (holding {})", Region::held(image)),
-                    };
-                    format!("{name} is {w}x{h}{window}")
-                };
-                let message = "the inputs are of different sizes";
-                let facts = format!("{}, {}.", tell(&first, all), tell(&file.name(), &image));
-                return Err(Failure::plain(message)
-                    .hint(facts)
-                    .hint("A program sees one pixel of each at a time, so their windows must agree."));
+            let [width, height] = file.size();
+            let about = Image { width, height, metadata: file.metadata().clone(), ..Image::default() };
+            match &first {
+                Some(first) => same_window(first, &reader.about, &file.name(), &about)?,
+                None => (first, reader.about) = (Some(file.name()), about),
             }
-            all.variables.extend(image.variables);
         }
-        Ok(merged.unwrap_or_default())
+        Ok(reader)
     }
 
     /// Does some input have the variable? An error if several of its channels could be it.

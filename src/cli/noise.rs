@@ -8,7 +8,7 @@ mod sheet;
 use super::failure::{Failure, print, warn};
 use super::output;
 use super::progress::Bar;
-use crate::image::WriteOptions;
+use crate::image::{self, WriteOptions};
 use crate::noise::{KINDS, Kind, reference};
 use clap::Args;
 use row::{Common, Row};
@@ -81,7 +81,7 @@ pub(super) fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     let bar = Bar::new("noise", args.quiet);
     let image = sheet::draw(&rows, usize::from(args.size), |progress| bar.update(progress));
     bar.clear();
-    output::write(&path, &image?, &WriteOptions::default())?;
+    image::write(&path, &image?, &WriteOptions::default())?;
     if !args.quiet {
         let n = rows.len();
         let s = if n == 1 { "" } else { "s" };

@@ -1,7 +1,7 @@
 //! The files that come out: whether they can be written, and what of a run goes into them.
 
 use super::failure::Failure;
-use crate::image::{self, Format, Image, WriteOptions};
+use crate::image::{Format, Image};
 use crate::program::Program;
 use crate::shape::Shape;
 use std::borrow::Cow;
@@ -84,9 +84,4 @@ pub(super) fn picture<'a>(image: &'a Image<'a>, name: &str) -> Result<Image<'a>,
         variables: vec![color],
         metadata: image.metadata.clone(),
     })
-}
-
-/// Writes an image.
-pub(super) fn write(path: &Path, image: &Image<'_>, options: &WriteOptions) -> Result<(), Failure> {
-    Ok(image::write(path, image, options)?)
 }

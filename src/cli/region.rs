@@ -4,6 +4,7 @@ use super::failure::Failure;
 use crate::image::{Image, Variable};
 use std::borrow::Cow;
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 
 /// Pixels of the display window: from `x0`, `y0` up to but not including `x1`, `y1`.
@@ -74,13 +75,24 @@ impl Region {
         Region { x0: self.x0 - by, y0: self.y0 - by, x1: self.x1 + by, y1: self.y1 + by }
     }
 
+    /// The rows of the image that lie in this region, counted from its first.
+    pub fn rows(self, image: &Image<'_>) -> Result<Range<usize>, Failure> {
+        let (inside, held) = (self.inside(image)?, Region::held(image));
+        Ok((inside.y0 - held.y0) as usize..(inside.y1 - held.y0) as usize)
+    }
+
+    /// What an image has of it.
+    pub fn inside(self, image: &Image<'_>) -> Result<Region, Failure> {
+        let held = Region::held(image);
+        self.and(held).ok_or_else(|| {
+            let message = format!("the region {self} lies outside the image");
+            Failure::plain(message).hint(format!("The image holds {held}."))
+        })
+    }
+
     /// The image's pixels in this region and up to `around` pixels about it, in the same display window.
     pub fn cut<'a>(self, image: &Image<'a>, around: i64) -> Result<Image<'static>, Failure> {
-        let held = Region::held(image);
-        let Some(inside) = self.and(held) else {
-            let message = format!("the region {self} lies outside the image");
-            return Err(Failure::plain(message).hint(format!("The image holds {held}.")));
-        };
+        let (inside, held) = (self.inside(image)?, Region::held(image));
         let part = inside.grown(around).and(held).unwrap_or(inside);
         let (width, height) = ((part.x1 - part.x0) as usize, (part.y1 - part.y0) as usize);
         let first = (part.x0 - held.x0) as usize;
@@ -100,6 +112,18 @@ impl Region {
         metadata.origin = [part.x0 as i32, part.y0 as i32];
         Ok(Image { width, height, variables, metadata })
     }
+}
+
+/// Pixels of a band, about: enough to keep the threads busy, and few enough to stay near the processor.
+const BAND: usize = 1 << 18;
+
+/// Bands have a multiple of so many rows, which blocks of most EXR files have too.
+const BLOCK: usize = 32;
+
+/// These rows of an image of that width, cut into bands that are read, run and written one after another.
+pub(super) fn bands(width: usize, rows: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    let height = BAND.div_ceil(width.max(1)).next_multiple_of(BLOCK);
+    rows.clone().step_by(height).map(move |top| top..rows.end.min(top + height))
 }
 
 #[cfg(test)]

@@ -12,6 +12,8 @@ pub(super) struct Stats {
     pub runs: Vec<Duration>,
     /// Writing the outputs.
     pub write: Duration,
+    /// All of it, on the clock on the wall: the three overlap.
+    pub wall: Duration,
     /// Pixels that it ran at.
     pub pixels: usize,
     /// Pixels that hold NaN or an infinity.
@@ -48,7 +50,8 @@ impl Stats {
         warn(&format!("read                 {}", seconds(self.read)));
         warn(&format!("run                  {}", seconds(self.run())));
         warn(&format!("write                {}", seconds(self.write)));
-        warn(&format!("time a pixel         {:.2} ns", self.per_pixel()));
+        warn(&format!("in all               {}", seconds(self.wall)));
+        warn(&format!("run                  {:.2} ns/pixel", self.per_pixel()));
         warn(&format!("threads              {}", self.threads));
         warn(&format!("batch                {}", self.batch));
         warn(&format!("instruction set      {}", self.isa));

@@ -2,8 +2,11 @@
 
 use super::failure::{Failure, print, warn};
 use super::output;
-use crate::image::{Image, WriteOptions};
-use crate::scene::{self, Options, parse_point, parse_size};
+use super::progress::Bar;
+use super::region::bands;
+use crate::image::{WriteOptions, Writer};
+use crate::program::Progress;
+use crate::scene::{self, Options, Renderer, parse_point, parse_size};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -52,7 +55,7 @@ impl ViewArgs {
     }
 
     /// The scene of that name in this view.
-    pub fn render(&self, name: &str) -> Result<Image<'static>, Failure> {
+    pub fn renderer(&self, name: &str) -> Result<Renderer, Failure> {
         let default = Options::default();
         let [width, height] = self.size.map_or([default.width, default.height], |s| s.0);
         let options = Options {
@@ -63,7 +66,7 @@ impl ViewArgs {
             fov: self.fov,
             scale: self.scale.unwrap_or(default.scale),
         };
-        Ok(scene::render(name, &options)?)
+        Ok(Renderer::new(name, &options)?)
     }
 }
 
@@ -98,10 +101,19 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     scene::find(name)?;
     let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
     output::check(&path)?;
-    let image = args.view.render(name)?;
-    output::write(&path, &image, &WriteOptions::default())?;
+    let renderer = args.view.renderer(name)?;
+    let [width, height] = renderer.size();
+    let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
+    let bar = Bar::new(name, args.quiet);
+    for rows in bands(width, 0..height) {
+        let done = rows.end * width;
+        writer.rows(&renderer.rows(rows)?)?;
+        bar.update(Progress { done, total: width * height });
+    }
+    writer.finish()?;
+    bar.clear();
     if !args.quiet {
-        warn(&format!("wrote {} ({}x{})", output::shown(&path), image.width, image.height));
+        warn(&format!("wrote {} ({width}x{height})", output::shown(&path)));
     }
     Ok(())
 }

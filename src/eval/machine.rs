@@ -69,6 +69,10 @@ pub(super) struct Machine<'r> {
     pub cancel: Option<&'r AtomicBool>,
     /// Lanes of the batch that runs.
     pub n: usize,
+    /// Is the whole batch one pixel, so that the steps are exactly those of its lanes?
+    single: bool,
+    /// Lanes of a pixel: one, or three with its shadows. See [`super::shadow`].
+    pub lanes_a_pixel: usize,
     pub globals: Vec<Slot>,
     /// Which of them are still to be filled from the image.
     pending: Vec<bool>,
@@ -118,6 +122,8 @@ impl<'r> Machine<'r> {
             limits,
             cancel,
             n: 1,
+            single: true,
+            lanes_a_pixel: 1,
             globals: vec![Slot::EMPTY; program.globals.len()],
             pending: vec![false; program.globals.len()],
             pixels: Batch::Run(0, 0),
@@ -168,8 +174,10 @@ impl<'r> Machine<'r> {
     }
 
     /// Forgets the last batch. `count`: count each lane's steps by itself.
-    pub fn reset(&mut self, n: usize, count: bool) {
+    pub fn reset(&mut self, pixels: usize, count: bool) {
+        let n = pixels * self.lanes_a_pixel;
         self.n = n;
+        self.single = pixels == 1;
         self.locals.clear();
         self.base = 0;
         self.loops.clear();
@@ -210,9 +218,11 @@ impl<'r> Machine<'r> {
             return Ok(());
         }
         // A batch too wide for what it is about to compute is cut before, not after.
-        if !uniform && self.n > 1 && live_bytes() + cells * self.n * size_of::<f32>() > self.limits.memory {
-            let half = self.n / 2;
-            return Err(Fault::Split(Mask::from_fn(self.n, |i| i < half)));
+        if !uniform
+            && self.pixels() > 1
+            && live_bytes() + cells * self.n * size_of::<f32>() > self.limits.memory
+        {
+            return Err(self.halve());
         }
         self.charge((cells / CELLS_A_STEP) as u32, mask, span)
     }
@@ -241,13 +251,12 @@ impl<'r> Machine<'r> {
             None => {
                 self.steps = self.steps.saturating_add(steps);
                 if self.steps > LONG && n > NARROW && !self.keeping {
-                    let half = n / 2;
-                    return Err(Fault::Split(Mask::from_fn(n, |i| i < half)));
+                    return Err(self.halve());
                 }
                 match self.steps > limit {
                     false => None,
-                    // All lanes have taken the same way here.
-                    true if n == 1 || self.keeping => Some(self.first(mask)),
+                    // All lanes have taken the same way here. (One lane of a batch, gathered, has perhaps taken fewer.)
+                    true if self.single || self.keeping => Some(self.first(mask)),
                     true => return Err(Fault::Count(self.first(mask))),
                 }
             }
@@ -411,9 +420,8 @@ impl<'r> Machine<'r> {
         if live_bytes() <= self.limits.memory {
             return Ok(());
         }
-        if self.n > 1 {
-            let half = self.n / 2;
-            return Err(Fault::Split(Mask::from_fn(self.n, |i| i < half)));
+        if self.pixels() > 1 {
+            return Err(self.halve());
         }
         let megabytes = self.limits.memory >> 20;
         let message = format!("the program's variables take more than {megabytes} megabytes at this pixel");
@@ -436,9 +444,15 @@ impl<'r> Machine<'r> {
             if self.pending[i] {
                 self.globals[i] = Slot::EMPTY;
             } else if global.assigned.is_some() || self.globals[i].value.is_none() {
-                self.globals[i] = source.slot(pixels, pixels.len(), self.bound);
+                self.globals[i] = source.slot(pixels, self.bound);
             }
         }
+    }
+
+    /// To be run in two halves.
+    fn halve(&self) -> Fault {
+        let pixels = self.pixels();
+        Fault::Split(Mask::from_fn(self.n, |i| i % pixels < pixels / 2))
     }
 
     /// Fills an outer variable if it was not looked at yet.
@@ -456,7 +470,10 @@ impl<'r> Machine<'r> {
             Batch::Run(start, n) => Pixels::Run(*start, *n),
             Batch::List(list) => Pixels::List(list),
         };
-        self.globals[i] = self.bound.sources[i].slot(pixels, pixels.len(), self.bound);
+        self.globals[i] = match self.shadowed() {
+            false => self.bound.sources[i].slot(pixels, self.bound),
+            true => self.bound.sources[i].shadowed_slot(pixels, self.bound),
+        };
     }
 
     /// Fills what is wanted when the batch is done.
@@ -479,7 +496,10 @@ impl<'r> Machine<'r> {
     /// pixels follow each other.
     pub fn untouched(&self, place: Place) -> Option<(&'r Variable<'r>, usize)> {
         match (place, &self.pixels) {
-            (Place::Global(i), Batch::Run(start, n)) if self.pending[i as usize] && *n == self.n => {
+            // With shadows there is more than the image holds.
+            (Place::Global(i), Batch::Run(start, n))
+                if self.pending[i as usize] && *n == self.n && !self.shadowed() =>
+            {
                 match &self.bound.sources[i as usize] {
                     Source::Input(variable) => Some((variable, *start)),
                     _ => None,

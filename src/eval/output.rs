@@ -19,8 +19,8 @@ pub(super) struct Output<'r> {
     pub input: Option<&'r Variable<'r>>,
     /// The shape of its planes; grows from a scalar to a vector when a pixel needs it.
     pub shape: Shape,
-    /// A pixel that has this shape.
-    pub seen: Option<usize>,
+    /// Where a pixel is, in the display window, that has this shape.
+    pub seen: Option<[i32; 2]>,
 }
 
 /// A pixel's value does not fit the planes.
@@ -153,16 +153,11 @@ pub(super) fn default_names(program: &Resolved) -> Vec<String> {
     assigned.into_iter().map(String::from).collect()
 }
 
-/// The error of an output that has `shape` at a pixel, and what does not go with it at the pixel `seen`.
-pub(super) fn misfits(
-    program: &Resolved,
-    output: &Output<'_>,
-    shape: &Shape,
-    seen: Option<[i32; 2]>,
-) -> Diagnostic {
+/// The error of an output that has `shape` at a pixel, and what does not go with it where it was seen before.
+pub(super) fn misfits(program: &Resolved, output: &Output<'_>, shape: &Shape) -> Diagnostic {
     let name = &output.name;
     let error = if output.color_has(shape) {
-        let other = match seen {
+        let other = match output.seen {
             Some([column, row]) => format!("at pixel [{column} {row}]"),
             None => "elsewhere".to_string(),
         };

@@ -5,6 +5,7 @@ use super::limits::Limits;
 use super::output::{self, Misfit, Output};
 use super::pixels::Pixels;
 use super::profile::Profile;
+use super::shadow;
 use super::worker::{Stop, Worker};
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
@@ -13,8 +14,10 @@ use crate::resolve::Resolved;
 use crate::shape::Shape;
 use crate::value::PixelValue;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 /// Pixels that a thread takes at a time.
 const CHUNK: usize = 4 * super::BATCH;
@@ -98,21 +101,65 @@ pub struct Report {
     pub by_normal: bool,
     /// Threads that ran.
     pub threads: usize,
+    /// How long they were at work, on an average.
+    pub time: Duration,
     /// What each statement took, if [`Options::profile`] was set.
     pub profile: Option<Profile>,
 }
 
 /// Runs a program at every pixel of an image.
 pub fn run(program: &Resolved, image: &Image<'_>, options: &Options<'_>) -> Result<Report, Failure> {
-    let bound = bind(program, image, options)?;
-    let mut job = Job::new(program, &bound, image, options)?;
-    job.sample();
-    // The shapes that the samples did not show are learnt on the way; each round adds at least one.
+    let mut stream = Stream::new(program, options);
     loop {
-        match job.attempt()? {
-            Attempt::Done(report) => return Ok(report),
-            Attempt::Again(misfit) => job.widen(misfit)?,
+        // Nothing is lost by beginning again: these are all rows.
+        if let Some(report) = stream.rows(image, 0..image.height)? {
+            return Ok(report);
         }
+    }
+}
+
+/// A run over an image that comes a few rows at a time, from the top down.
+pub struct Stream<'o> {
+    program: &'o Resolved,
+    options: &'o Options<'o>,
+    /// For each output its shape, and a pixel that has it; nothing before the first rows.
+    shapes: Vec<(Shape, Option<[i32; 2]>)>,
+}
+
+impl<'o> Stream<'o> {
+    /// Before the first rows.
+    pub fn new(program: &'o Resolved, options: &'o Options<'o>) -> Stream<'o> {
+        Stream { program, options, shapes: Vec::new() }
+    }
+
+    /// Runs the next rows, which `image` holds, perhaps with others about them: programs that read `pixelsize` need
+    /// the rows above and below.
+    ///
+    /// `None`: an output has more components here than in the rows before. They must all be run again, from the first
+    /// on, and will then have as many.
+    pub fn rows(&mut self, image: &Image<'_>, rows: Range<usize>) -> Result<Option<Report>, Failure> {
+        let bound = bind(self.program, image, self.options)?;
+        let mut job = Job::new(self.program, &bound, image, rows, self.options)?;
+        let begun = !self.shapes.is_empty();
+        if begun {
+            for (output, (shape, seen)) in job.outputs.iter_mut().zip(&self.shapes) {
+                (output.shape, output.seen) = (shape.clone(), *seen);
+            }
+        } else {
+            job.sample();
+        }
+        // The shapes that the samples did not show are learnt on the way; each round adds at least one.
+        let report = loop {
+            match job.attempt()? {
+                Attempt::Done(report) => break Some(report),
+                Attempt::Again(misfit) => job.widen(misfit)?,
+            }
+            if begun {
+                break None;
+            }
+        };
+        self.shapes = job.outputs.into_iter().map(|o| (o.shape, o.seen)).collect();
+        Ok(report)
     }
 }
 
@@ -146,6 +193,8 @@ struct Job<'r> {
     program: &'r Resolved,
     bound: &'r Bound<'r>,
     image: &'r Image<'r>,
+    /// The rows of it that are run.
+    rows: Range<usize>,
     options: &'r Options<'r>,
     outputs: Vec<Output<'r>>,
     by_normal: bool,
@@ -163,6 +212,7 @@ impl<'r> Job<'r> {
         program: &'r Resolved,
         bound: &'r Bound<'r>,
         image: &'r Image<'r>,
+        rows: Range<usize>,
         options: &'r Options<'r>,
     ) -> Result<Job<'r>, Failure> {
         let names = options.outputs.clone().unwrap_or_else(|| output::default_names(program));
@@ -197,14 +247,20 @@ impl<'r> Job<'r> {
             );
         }
         if errors.is_empty() {
-            Ok(Job { program, bound, image, options, outputs, by_normal })
+            Ok(Job { program, bound, image, rows, options, outputs, by_normal })
         } else {
             Err(Failure::Program(errors))
         }
     }
 
+    /// How many pixels are run.
     fn total(&self) -> usize {
-        self.image.width * self.image.height
+        self.image.width * self.rows.len()
+    }
+
+    /// The first of them.
+    fn start(&self) -> usize {
+        self.image.width * self.rows.start
     }
 
     fn worker(&self) -> Worker<'r> {
@@ -218,7 +274,7 @@ impl<'r> Job<'r> {
         let total = self.total();
         let mut worker = self.worker();
         for k in 0..SAMPLES.min(total) {
-            let pixel = k * (total - 1) / (SAMPLES - 1).max(1);
+            let pixel = self.start() + k * (total - 1) / (SAMPLES - 1).max(1);
             let mut found: Vec<Option<Shape>> = Vec::new();
             let list = [pixel as u32];
             let outcome = worker.run(Pixels::List(&list), &mut |machine, _| {
@@ -240,7 +296,7 @@ impl<'r> Job<'r> {
                     && let Some(joined) = output.join(&shape)
                 {
                     if joined != output.shape || output.seen.is_none() {
-                        output.seen = Some(pixel);
+                        output.seen = Some(self.bound.position(pixel));
                     }
                     output.shape = joined;
                 }
@@ -254,11 +310,10 @@ impl<'r> Job<'r> {
         let joined = output.join(&misfit.shape).filter(|_| output.color_has(&misfit.shape));
         if let Some(joined) = joined.filter(|j| *j != output.shape) {
             output.shape = joined;
-            output.seen = Some(misfit.pixel);
+            output.seen = Some(self.bound.position(misfit.pixel));
             return Ok(());
         }
-        let seen = output.seen.map(|p| self.bound.position(p));
-        let mut error = output::misfits(self.program, output, &misfit.shape, seen);
+        let mut error = output::misfits(self.program, output, &misfit.shape);
         error.pixel = Some(self.bound.position(misfit.pixel));
         Err(Failure::Program(vec![error]))
     }
@@ -293,13 +348,15 @@ impl<'r> Job<'r> {
                 (0..cells).map(|_| vec![0.0; total]).collect()
             })
             .collect();
-        let chunks = Mutex::new(chunks(&mut planes, total).into_iter());
+        let chunks = Mutex::new(chunks(&mut planes, self.start(), total).into_iter());
         let end = AtomicUsize::new(usize::MAX);
         let stopped: Mutex<Option<Stop>> = Mutex::new(None);
         let done = AtomicUsize::new(0);
         let not_finite = AtomicUsize::new(0);
         let profile = Mutex::new(Profile::new());
+        let busy = Mutex::new(Duration::ZERO);
         let work = || {
+            let begin = Instant::now();
             let mut worker = self.worker();
             if self.options.profile {
                 worker.machine.measure();
@@ -332,6 +389,9 @@ impl<'r> Job<'r> {
                     all.entry(statement).or_default().add(&spent);
                 }
             }
+            if let Ok(mut busy) = busy.lock() {
+                *busy += begin.elapsed();
+            }
         };
         let threads = self.in_threads(&work)?;
         drop(chunks);
@@ -343,7 +403,9 @@ impl<'r> Job<'r> {
         let image = self.finish(planes);
         let not_finite = not_finite.into_inner();
         let profile = self.options.profile.then(|| profile.into_inner().unwrap_or_else(|e| e.into_inner()));
-        Ok(Attempt::Done(Report { image, not_finite, by_normal: self.by_normal, threads, profile }))
+        let time = busy.into_inner().unwrap_or_else(|e| e.into_inner()) / threads as u32;
+        let by_normal = self.by_normal;
+        Ok(Attempt::Done(Report { image, not_finite, by_normal, threads, time, profile }))
     }
 
     /// Runs `work` on every thread that was asked for, and says how many those are.
@@ -370,7 +432,8 @@ impl<'r> Job<'r> {
     }
 
     fn chunk(&self, worker: &mut Worker<'r>, chunk: &mut Chunk<'_>) -> Result<(), Stop> {
-        let batch = self.options.batch.unwrap_or(super::BATCH).max(1);
+        let lanes = if self.program.derivatives { shadow::LANES } else { 1 };
+        let batch = (self.options.batch.unwrap_or(super::BATCH) / lanes).max(1);
         let Chunk { start, len, planes } = chunk;
         let (start, end) = (*start, *start + *len);
         let mut first = start;
@@ -393,27 +456,29 @@ impl<'r> Job<'r> {
             .iter()
             .zip(planes)
             .map(|(output, planes)| {
+                let run = self.start()..self.start() + self.total();
                 let planes = match output.input {
-                    Some(input) => input.planes.iter().map(|p| Cow::Owned(p.to_vec())).collect(),
+                    Some(input) => input.planes.iter().map(|p| Cow::Owned(p[run.clone()].to_vec())).collect(),
                     None => planes.into_iter().map(Cow::Owned).collect(),
                 };
                 Variable { name: output.name.clone(), shape: output.shape.clone(), planes }
             })
             .collect();
-        Image {
-            width: self.image.width,
-            height: self.image.height,
-            variables,
-            metadata: self.image.metadata.clone(),
+        let mut metadata = self.image.metadata.clone();
+        if self.rows != (0..self.image.height) {
+            metadata.resolution = Some(self.image.resolution());
+            metadata.origin[1] += self.rows.start as i32;
         }
+        Image { width: self.image.width, height: self.rows.len(), variables, metadata }
     }
 }
 
-/// Cuts the planes into stretches of [`CHUNK`] pixels.
-fn chunks(planes: &mut [Vec<Vec<f32>>], total: usize) -> Vec<Chunk<'_>> {
+/// Cuts the planes of `total` pixels, of which `first` is the first, into stretches of [`CHUNK`].
+fn chunks(planes: &mut [Vec<Vec<f32>>], first: usize, total: usize) -> Vec<Chunk<'_>> {
     let starts = (0..total).step_by(CHUNK);
-    let mut chunks: Vec<Chunk<'_>> =
-        starts.map(|start| Chunk { start, len: CHUNK.min(total - start), planes: Vec::new() }).collect();
+    let mut chunks: Vec<Chunk<'_>> = starts
+        .map(|at| Chunk { start: first + at, len: CHUNK.min(total - at), planes: Vec::new() })
+        .collect();
     for output in planes.iter_mut() {
         for chunk in &mut chunks {
             chunk.planes.push(Vec::new());

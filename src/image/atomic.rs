@@ -2,60 +2,141 @@
 
 use super::error::{ErrorKind, ImageError};
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use tempfile::{NamedTempFile, SpooledTempFile};
 
-/// Writes `bytes` as the file `path`: to a temporary file beside it, which then takes its name.
-///
-/// Whoever looks sees the old file or the whole new one; after an error, or a kill, the old one is
-/// untouched. A symbolic link keeps pointing where it does; a device or a pipe is written in place.
+/// A file in the making. It takes its name when it is finished; until then whoever looks sees the old file, and after
+/// an error, or a kill, the old one is untouched. A symbolic link keeps pointing where it does. A device or a pipe, and
+/// `-`, standard output, gets everything at the end.
+pub struct NewFile {
+    shown: String,
+    place: Place,
+}
+
+enum Place {
+    /// Beside the file whose name it will take; that file's permissions, if it exists.
+    Beside { file: NamedTempFile, target: PathBuf, permissions: Option<fs::Permissions> },
+    /// Kept until the end, in memory or in a temporary file if it is large.
+    Kept { bytes: SpooledTempFile, target: PathBuf },
+}
+
+/// Bytes that are kept in memory before they go to a temporary file.
+const KEPT: usize = 64 << 20;
+
+impl NewFile {
+    /// Begins the file `path`.
+    ///
+    /// # Errors
+    /// If the directory does not exist, or the operating system refuses.
+    pub fn create(path: &Path) -> Result<NewFile, ImageError> {
+        let standard_output = path.as_os_str() == "-";
+        let shown = match standard_output {
+            true => "standard output".to_string(),
+            false => path.display().to_string(),
+        };
+        let fail = |e: io::Error| ImageError::io("write", &shown, &e);
+        let existing = if standard_output { None } else { fs::metadata(path).ok() };
+        if existing.as_ref().is_some_and(|about| about.is_dir()) {
+            return Err(fail(io::ErrorKind::IsADirectory.into()));
+        }
+        if standard_output || existing.as_ref().is_some_and(|about| !about.is_file()) {
+            let place = Place::Kept { bytes: SpooledTempFile::new(KEPT), target: path.to_path_buf() };
+            return Ok(NewFile { shown, place });
+        }
+        let target: PathBuf = match fs::symlink_metadata(path) {
+            Ok(about) if about.file_type().is_symlink() && existing.is_some() => {
+                fs::canonicalize(path).map_err(fail)?
+            }
+            _ => path.to_path_buf(),
+        };
+        let directory = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        if !directory.is_dir() {
+            let directory = directory.display();
+            let message = format!("cannot write `{shown}`: there is no directory `{directory}`");
+            return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::NotFound), message)
+                .hint(format!("Make it first: mkdir -p '{directory}'.")));
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".pse-").suffix(".tmp");
+        // A temporary file is private by default; a picture is as open as any new file of the user.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder.tempfile_in(directory).map_err(fail)?;
+        let permissions = existing.map(|about| about.permissions());
+        Ok(NewFile { shown, place: Place::Beside { file, target, permissions } })
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> &str {
+        &self.shown
+    }
+
+    /// The file is whole: it appears.
+    ///
+    /// # Errors
+    /// If the operating system refuses.
+    pub fn finish(self) -> Result<(), ImageError> {
+        let fail = |e: io::Error| ImageError::io("write", &self.shown, &e);
+        match self.place {
+            Place::Beside { file, target, permissions } => {
+                if let Some(permissions) = permissions {
+                    // Where the permissions can't be kept, those of a new file do.
+                    let _ = file.as_file().set_permissions(permissions);
+                }
+                file.persist(&target).map_err(|e| fail(e.error))?;
+            }
+            Place::Kept { mut bytes, target } => {
+                bytes.rewind().map_err(fail)?;
+                if target.as_os_str() == "-" {
+                    let mut out = io::stdout().lock();
+                    io::copy(&mut bytes, &mut out).and_then(|_| out.flush()).map_err(fail)?;
+                } else {
+                    let file = fs::OpenOptions::new().write(true).open(&target);
+                    file.and_then(|mut file| io::copy(&mut bytes, &mut file)).map_err(fail)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.place {
+            Place::Beside { file, .. } => file.write(bytes),
+            Place::Kept { bytes: kept, .. } => kept.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.place {
+            Place::Beside { file, .. } => file.flush(),
+            Place::Kept { bytes, .. } => bytes.flush(),
+        }
+    }
+}
+
+impl Seek for NewFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match &mut self.place {
+            Place::Beside { file, .. } => file.seek(to),
+            Place::Kept { bytes, .. } => bytes.seek(to),
+        }
+    }
+}
+
+/// Writes `bytes` as the file `path`, which appears whole or not at all; see [`NewFile`].
 ///
 /// # Errors
 /// If the directory does not exist, or the operating system refuses.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
-    let shown = path.display().to_string();
-    let fail = |e: io::Error| ImageError::io("write", &shown, &e);
-    let existing = fs::metadata(path).ok();
-    if existing.as_ref().is_some_and(|about| about.is_dir()) {
-        return Err(fail(io::ErrorKind::IsADirectory.into()));
-    }
-    if existing.as_ref().is_some_and(|about| !about.is_file()) {
-        return fs::OpenOptions::new()
-            .write(true)
-            .open(path)
-            .and_then(|mut f| f.write_all(bytes))
-            .map_err(fail);
-    }
-    let target: PathBuf = match fs::symlink_metadata(path) {
-        Ok(about) if about.file_type().is_symlink() && existing.is_some() => {
-            fs::canonicalize(path).map_err(fail)?
-        }
-        _ => path.to_path_buf(),
-    };
-    let directory = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    if !directory.is_dir() {
-        let message = format!("cannot write `{shown}`: there is no directory `{}`", directory.display());
-        return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::NotFound), message)
-            .hint(format!("Make it first: mkdir -p '{}'.", directory.display())));
-    }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".pse-").suffix(".tmp");
-    // A temporary file is private by default; a picture is as open as any new file of the user.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(directory).map_err(fail)?;
-    let mut buffered = BufWriter::new(file);
-    buffered.write_all(bytes).map_err(fail)?;
-    let file = buffered.into_inner().map_err(|e| fail(e.into_error()))?;
-    if let Some(about) = existing {
-        // Where the permissions can't be kept, those of a new file do.
-        let _ = file.as_file().set_permissions(about.permissions());
-    }
-    file.persist(&target).map_err(|e| fail(e.error))?;
-    Ok(())
+    let mut file = NewFile::create(path)?;
+    file.write_all(bytes).map_err(|e| ImageError::io("write", file.name(), &e))?;
+    file.finish()
 }
 
 /// Do both paths lead to the same existing file (through links, relative paths, `..`)?

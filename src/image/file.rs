@@ -1,12 +1,11 @@
 //! A file that can be read: its header first, then the variables that are asked for.
 
 use super::bind::{self, Binding, Candidate, Mapping};
-use super::error::{ErrorKind, ImageError};
+use super::error::ImageError;
 use super::read_exr::{self, Exr};
 use super::read_raster::Raster;
 use super::source::Input;
-use super::{Image, Metadata, Variable, guard};
-use std::borrow::Cow;
+use super::{Image, Metadata};
 use std::io::Read;
 
 /// How to read.
@@ -137,34 +136,7 @@ impl File {
     /// # Errors
     /// If one is missing or ambiguous, or the file turns out damaged.
     pub fn load(&self, names: &[&str]) -> Result<Image<'static>, ImageError> {
-        let mut found = Vec::new();
-        for name in names {
-            found.push((*name, self.find(name)?));
-        }
-        let mut wanted = vec![false; self.channels.len()];
-        for (_, candidate) in &found {
-            candidate.channels.iter().for_each(|&c| wanted[c] = true);
-        }
-        let mut planes = self.planes(&wanted)?;
-        // Hand each plane to its last user, and copies to those before.
-        let mut uses = vec![0usize; planes.len()];
-        for (_, candidate) in &found {
-            candidate.channels.iter().for_each(|&c| uses[c] += 1);
-        }
-        let mut take = |c: usize| {
-            uses[c] -= 1;
-            if uses[c] == 0 { std::mem::take(&mut planes[c]) } else { planes[c].clone() }
-        };
-        let variables = found
-            .into_iter()
-            .map(|(name, candidate)| Variable {
-                name: name.to_string(),
-                shape: candidate.shape.clone(),
-                planes: candidate.channels.iter().map(|&c| Cow::Owned(take(c))).collect(),
-            })
-            .collect();
-        let [width, height] = self.size;
-        Ok(Image { width, height, variables, metadata: self.metadata.clone() })
+        self.rows(names)?.read(0..self.size[1])
     }
 
     /// Decodes every variable that is not ambiguous and no alias.
@@ -175,29 +147,5 @@ impl File {
         let plain = self.bindings.iter().filter(|b| !b.alias && b.candidates.len() == 1);
         let names: Vec<&str> = plain.map(|b| b.name.as_str()).collect();
         self.load(&names)
-    }
-
-    /// The planes of the wanted channels; the others stay empty.
-    fn planes(&self, wanted: &[bool]) -> Result<Vec<Vec<f32>>, ImageError> {
-        let name = self.name();
-        let [width, height] = self.size;
-        let Some(count) = width.checked_mul(height) else {
-            return Err(ImageError::new(ErrorKind::TooLarge, format!("`{name}` is too large")));
-        };
-        match &self.source {
-            Source::Raster(raster) if wanted.contains(&true) => raster.decode(&self.input),
-            Source::Raster(_) => Ok(vec![Vec::new(); wanted.len()]),
-            Source::Exr(exr) => {
-                let mut planes = Vec::new();
-                for &wanted in wanted {
-                    planes.push(if wanted { guard::plane(&name, count)? } else { Vec::new() });
-                }
-                exr.decode(&self.input, &self.channels, wanted, |line| {
-                    let start = line.y * width + line.x;
-                    line.floats(&mut planes[line.channel][start..]);
-                })?;
-                Ok(planes)
-            }
-        }
     }
 }

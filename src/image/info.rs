@@ -4,6 +4,7 @@
 use super::error::ImageError;
 use super::file::{File, Samples, Source};
 use super::names::last_field;
+use super::scan_exr::Scan;
 use exr::math::Vec2;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::AttributeValue;
@@ -136,7 +137,8 @@ pub fn info(file: &File) -> Result<Info, ImageError> {
             if wanted.contains(&false) {
                 notes.push("Parts with subsampled channels are not read.".to_string());
             }
-            exr.decode(&file.input, &file.channels, &wanted, |line| {
+            let mut scan = Scan::new(exr, &file.input, &file.channels, &wanted)?;
+            scan.decode(0..file.size()[1], |line| {
                 let row = &mut row[..line.len()];
                 line.floats(row);
                 channels[line.channel].add(row, &mut sums[line.channel]);

@@ -14,6 +14,8 @@ mod info;
 mod names;
 mod read_exr;
 mod read_raster;
+mod rows;
+mod scan_exr;
 mod source;
 mod write;
 mod write_exr;
@@ -22,13 +24,14 @@ mod write_raster;
 #[cfg(test)]
 mod tests;
 
-pub use atomic::{same_file, write_file};
+pub use atomic::{NewFile, same_file, write_file};
 pub use bind::{Binding, Candidate, Mapping};
 pub use error::{ErrorKind, ImageError};
 pub use file::{Channel, File, ReadOptions, Samples, read};
 pub use info::{ChannelInfo, Info, PartInfo, info};
+pub use rows::Rows;
 pub use source::Input;
-pub use write::{Compression, Format, WriteOptions, encode, write};
+pub use write::{Compression, Format, WriteOptions, Writer, encode, write};
 
 mod build;
 
@@ -104,6 +107,17 @@ impl Attributes {
 }
 
 impl Image<'_> {
+    /// The same with planes of its own.
+    pub fn into_owned(self) -> Image<'static> {
+        let own = |v: Variable<'_>| Variable {
+            name: v.name,
+            shape: v.shape,
+            planes: v.planes.into_iter().map(|p| Cow::Owned(p.into_owned())).collect(),
+        };
+        let variables = self.variables.into_iter().map(own).collect();
+        Image { width: self.width, height: self.height, variables, metadata: self.metadata }
+    }
+
     /// The variable of that name.
     pub fn variable(&self, name: &str) -> Option<&Variable<'_>> {
         self.variables.iter().find(|v| v.name == name)

@@ -1,71 +1,31 @@
-//! OpenEXR files: any channels, parts, tiles and compressions; decoded block by block, in parallel.
+//! OpenEXR files: any channels, parts, tiles and compressions. Here the header; `scan_exr` has the pixels.
 //!
 //! The `exr` crate parses headers and decompresses blocks; which blocks are read, in which order, and
-//! where their numbers go, is decided here, so that only the parts with wanted channels are touched
+//! where their numbers go, is decided by us, so that only the parts with wanted channels are touched
 //! and what a file claims is checked before it is believed.
 
 use super::error::{ErrorKind, ImageError};
 use super::file::{Channel, Samples};
-use super::source::{Input, ReadSeek};
+use super::source::Input;
 use super::{Attributes, Metadata, guard};
-use exr::block::UncompressedBlock;
-use exr::block::chunk::{Chunk, CompressedBlock};
-use exr::block::lines::LineIndex;
 use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, Compression, SampleType};
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, SampleType};
 use exr::meta::header::Header;
-use exr::meta::{BlockDescription, MetaData, compute_block_count};
-use rayon::prelude::*;
-use std::io::SeekFrom;
 
 /// The header of an EXR file, checked.
 pub(crate) struct Exr {
-    meta: MetaData,
+    pub(super) meta: MetaData,
     /// The file's length in bytes.
-    length: u64,
+    pub(super) length: u64,
     /// Where the tables of block offsets begin.
-    tables: u64,
+    pub(super) tables: u64,
     /// The least rectangle that holds all parts' data windows: left, top, width, height.
     pub window: (i64, i64, usize, usize),
 }
 
 /// The first four bytes of every EXR file.
 pub(crate) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-
-/// A run of samples of one channel in one row: the channel, then its place in the data window.
-pub(crate) struct Line<'a> {
-    /// Place in the file's list of channels.
-    pub channel: usize,
-    /// Column in the union of the data windows.
-    pub x: usize,
-    /// Row in the union of the data windows.
-    pub y: usize,
-    /// The samples, in the machine's byte order.
-    pub bytes: &'a [u8],
-    /// What they are.
-    pub samples: Samples,
-}
-
-impl Line<'_> {
-    /// Writes the samples to the start of `row` as floats: halves and floats exactly, integers
-    /// rounded to the nearest float.
-    pub fn floats(&self, row: &mut [f32]) {
-        fn fill<const N: usize>(row: &mut [f32], bytes: &[u8], convert: impl Fn([u8; N]) -> f32) {
-            let (samples, _) = bytes.as_chunks::<N>();
-            row.iter_mut().zip(samples).for_each(|(to, &sample)| *to = convert(sample));
-        }
-        match self.samples {
-            Samples::Half => fill(row, self.bytes, |b| half::f16::from_ne_bytes(b).to_f32()),
-            Samples::Uint => fill(row, self.bytes, |b| u32::from_ne_bytes(b) as f32),
-            _ => fill(row, self.bytes, f32::from_ne_bytes),
-        }
-    }
-
-    /// How many samples there are.
-    pub fn len(&self) -> usize {
-        self.bytes.len() / if self.samples == Samples::Half { 2 } else { 4 }
-    }
-}
 
 impl Exr {
     /// Reads and checks the header.
@@ -157,124 +117,6 @@ impl Exr {
             attributes: Attributes { list },
         }
     }
-
-    /// Decodes the channels for which `wanted` holds, and gives their rows to `sink`, in the file's
-    /// order of blocks; each sample of each wanted channel once.
-    pub fn decode(
-        &self,
-        input: &Input,
-        channels: &[Channel],
-        wanted: &[bool],
-        mut sink: impl FnMut(Line<'_>),
-    ) -> Result<(), ImageError> {
-        let name = input.name();
-        let (mut reader, _) = input.open()?;
-        let mut table = self.tables;
-        for (part, header) in self.meta.headers.iter().enumerate() {
-            let mine: Vec<(usize, &Channel)> =
-                channels.iter().enumerate().filter(|(i, c)| c.part == part && wanted[*i]).collect();
-            if !mine.is_empty() {
-                for (_, channel) in &mine {
-                    if header.channels.list[channel.index].sampling != Vec2(1, 1) {
-                        return Err(subsampled(&name, &channel.name));
-                    }
-                }
-                if header.channels.list.iter().any(|c| c.sampling != Vec2(1, 1)) {
-                    return Err(subsampled(&name, &mine[0].1.name));
-                }
-                self.decode_part(&name, &mut *reader, table, part, &mine, &mut sink)?;
-            }
-            table += 8 * header.chunk_count as u64;
-        }
-        Ok(())
-    }
-
-    fn decode_part(
-        &self,
-        name: &str,
-        reader: &mut dyn ReadSeek,
-        table: u64,
-        part: usize,
-        wanted: &[(usize, &Channel)],
-        sink: &mut impl FnMut(Line<'_>),
-    ) -> Result<(), ImageError> {
-        let header = &self.meta.headers[part];
-        let io = |e: std::io::Error| ImageError::io("read", name, &e);
-        let blocks = blocks(header);
-        // The blocks of the full resolution come first in the table, whatever smaller levels follow.
-        reader.seek(SeekFrom::Start(table)).map_err(io)?;
-        let mut offsets = vec![0u8; blocks.len() * 8];
-        reader.read_exact(&mut offsets).map_err(io)?;
-        let offsets: Vec<u64> = offsets
-            .chunks_exact(8)
-            .map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]))
-            .collect();
-        let mut place = vec![None; header.channels.list.len()];
-        for (slot, channel) in wanted {
-            place[channel.index] = Some((*slot, channel.samples));
-        }
-        let left = (i64::from(header.own_attributes.layer_position.x()) - self.window.0) as usize;
-        let top = (i64::from(header.own_attributes.layer_position.y()) - self.window.1) as usize;
-        // A batch gives every thread something to do, and no more than some 64 MB.
-        let block_bytes = header.channels.bytes_per_pixel * blocks.first().map_or(1, |b| b.1.area());
-        let batch = (64 << 20) / block_bytes.max(1);
-        let batch = batch.clamp(1, 8 * rayon::current_num_threads());
-        for (positions, offsets) in blocks.chunks(batch).zip(offsets.chunks(batch)) {
-            let mut chunks = Vec::with_capacity(batch);
-            for (&position, &offset) in positions.iter().zip(offsets) {
-                if offset < self.tables || offset >= self.length {
-                    return Err(ImageError::damaged(name, "a block of pixels is missing"));
-                }
-                if reader.stream_position().map_err(io)? != offset {
-                    reader.seek(SeekFrom::Start(offset)).map_err(io)?;
-                }
-                let chunk = Chunk::read(&mut &mut *reader, &self.meta).map_err(|e| explain(name, e))?;
-                chunks.push((position, chunk));
-            }
-            let decoded: Vec<Result<UncompressedBlock, ImageError>> = chunks
-                .into_par_iter()
-                .map(|(position, chunk)| self.decompress(name, part, position, chunk))
-                .collect();
-            for block in decoded {
-                let block = block?;
-                for (bytes, line) in LineIndex::lines_in_block(block.index, &header.channels) {
-                    let Some((channel, samples)) = place[line.channel] else { continue };
-                    let (x, y) = (left + line.position.x(), top + line.position.y());
-                    sink(Line { channel, x, y, bytes: &block.data[bytes], samples });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn decompress(
-        &self,
-        name: &str,
-        part: usize,
-        (position, size): (Vec2<usize>, Vec2<usize>),
-        chunk: Chunk,
-    ) -> Result<UncompressedBlock, ImageError> {
-        if chunk.layer_index != part {
-            return Err(ImageError::damaged(name, "a block of pixels belongs to another part"));
-        }
-        let header = &self.meta.headers[part];
-        if !believable(header, &chunk, size) {
-            return Err(ImageError::damaged(name, "a block of pixels claims an absurd size"));
-        }
-        let block = guard::contain(|| UncompressedBlock::decompress_chunk(chunk, &self.meta, false))
-            .ok_or_else(|| ImageError::damaged(name, "a block of pixels makes no sense"))?
-            .map_err(|e| explain(name, e))?;
-        let bytes = size.area() * self.meta.headers[part].channels.bytes_per_pixel;
-        let index = block.index;
-        if index.pixel_position != position
-            || index.pixel_size != size
-            || index.level != Vec2(0, 0)
-            || block.data.len() != bytes
-        {
-            return Err(ImageError::damaged(name, "a block of pixels is not where it belongs"));
-        }
-        Ok(block)
-    }
 }
 
 /// Header attributes that say how a file is laid out, not what the picture is.
@@ -299,47 +141,6 @@ const STRUCTURE: [&str; 19] = [
     "version",
     "view",
 ];
-
-/// Does a DWA block claim no more memory than its pixels can need? The decoder allocates whatever the
-/// counters at its start say, before it looks at the data.
-fn believable(header: &Header, chunk: &Chunk, size: Vec2<usize>) -> bool {
-    if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
-        return true;
-    }
-    let bytes = match &chunk.compressed_block {
-        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
-        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
-        _ => return true,
-    };
-    // Channels are coded in squares of 8 by 8, so the edges count as whole squares.
-    let padded = (size.width() + 7) * (size.height() + 7) * header.channels.bytes_per_pixel;
-    let limit = 4 * padded as u64 + (1 << 16);
-    if bytes.len() == size.area() * header.channels.bytes_per_pixel {
-        return true; // stored as it is
-    }
-    let (counters, _) = bytes.as_chunks::<8>();
-    counters.iter().take(10).all(|&counter| u64::from_le_bytes(counter) <= limit)
-}
-
-/// Positions and sizes of the blocks of a part's full resolution, in the order of its table.
-fn blocks(header: &Header) -> Vec<(Vec2<usize>, Vec2<usize>)> {
-    let Vec2(width, height) = header.layer_size;
-    let Vec2(w, h) = match header.blocks {
-        BlockDescription::ScanLines => Vec2(width, header.compression.scan_lines_per_block()),
-        BlockDescription::Tiles(tiles) => tiles.tile_size,
-    };
-    if width == 0 || height == 0 || w == 0 || h == 0 {
-        return Vec::new();
-    }
-    let mut list = Vec::new();
-    for row in 0..compute_block_count(height, h) {
-        for column in 0..compute_block_count(width, w) {
-            let (x, y) = (column * w, row * h);
-            list.push((Vec2(x, y), Vec2(w.min(width - x), h.min(height - y))));
-        }
-    }
-    list
-}
 
 /// The full name of a channel in a part that has a name of its own.
 fn full_name(part: &str, channel: &str) -> String {
@@ -395,13 +196,7 @@ fn deep(name: &str) -> ImageError {
     .hint("Flatten it first, or render flat passes.")
 }
 
-fn subsampled(name: &str, channel: &str) -> ImageError {
-    let message = format!("`{name}` stores `{channel}` with subsampled channels, which are not read");
-    ImageError::new(ErrorKind::Unsupported, message)
-        .hint("Convert it to full resolution first (luminance/chroma to RGB).")
-}
-
-fn explain(name: &str, error: exr::error::Error) -> ImageError {
+pub(super) fn explain(name: &str, error: exr::error::Error) -> ImageError {
     match error {
         exr::error::Error::Io(e) => ImageError::io("read", name, &e),
         exr::error::Error::NotSupported(what) if what.contains("deep") => deep(name),

@@ -1,8 +1,10 @@
 //! Writing images: which format, and what every format has in common.
 
+use super::atomic::NewFile;
 use super::error::{ErrorKind, ImageError};
-use super::{Image, atomic, write_exr, write_raster};
-use std::io::Write;
+use super::write_exr::ExrWriter;
+use super::{Image, write_raster};
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 /// A file format that is written.
@@ -119,20 +121,9 @@ impl Default for WriteOptions {
 /// If the extension names no format, the format can't hold the image, or the operating system
 /// refuses. For a closed pipe [`ImageError::is_broken_pipe`] holds.
 pub fn write(path: &Path, image: &Image<'_>, options: &WriteOptions) -> Result<(), ImageError> {
-    let format = match options.format {
-        Some(format) => format,
-        None => Format::of(path)?,
-    };
-    let name = match path.as_os_str() == "-" {
-        true => "standard output".to_string(),
-        false => path.display().to_string(),
-    };
-    let bytes = encode(&name, format, image, options)?;
-    if path.as_os_str() != "-" {
-        return atomic::write_file(path, &bytes);
-    }
-    let mut out = std::io::stdout().lock();
-    out.write_all(&bytes).and_then(|()| out.flush()).map_err(|e| ImageError::io("write", &name, &e))
+    let mut writer = Writer::create(path, image.height, options)?;
+    writer.rows(image)?;
+    writer.finish()
 }
 
 /// The bytes of a file; `name` is what messages call it.
@@ -145,6 +136,113 @@ pub fn encode(
     image: &Image<'_>,
     options: &WriteOptions,
 ) -> Result<Vec<u8>, ImageError> {
+    check(name, image)?;
+    match format {
+        Format::Exr => {
+            let mut bytes = Cursor::new(Vec::new());
+            let mut writer = ExrWriter::new(name, image, image.height, options)?;
+            writer.rows(image, &mut bytes)?;
+            writer.finish(&mut bytes)?;
+            Ok(bytes.into_inner())
+        }
+        _ => write_raster::encode(name, format, image, options),
+    }
+}
+
+/// An image file that is written from the top down, a few rows at a time. It appears when it is finished, or not at
+/// all.
+pub struct Writer {
+    file: NewFile,
+    format: Format,
+    options: WriteOptions,
+    /// The rows of the whole.
+    height: usize,
+    content: Content,
+}
+
+/// What was written so far.
+enum Content {
+    Nothing,
+    Exr(Box<ExrWriter>),
+    /// The rows of a picture, which is encoded as a whole.
+    Picture(Image<'static>),
+}
+
+impl Writer {
+    /// Begins an image of so many rows.
+    ///
+    /// # Errors
+    /// If the extension names no format, or the file can't be made.
+    pub fn create(path: &Path, height: usize, options: &WriteOptions) -> Result<Writer, ImageError> {
+        let format = match options.format {
+            Some(format) => format,
+            None => Format::of(path)?,
+        };
+        let file = NewFile::create(path)?;
+        Ok(Writer { file, format, options: options.clone(), height, content: Content::Nothing })
+    }
+
+    /// Adds the next rows: an image with the same variables as the one before, that lies below it.
+    ///
+    /// # Errors
+    /// If the format can't hold it, or the operating system refuses.
+    pub fn rows(&mut self, rows: &Image<'_>) -> Result<(), ImageError> {
+        let name = self.file.name().to_string();
+        check(&name, rows)?;
+        match (&mut self.content, self.format) {
+            (Content::Nothing, Format::Exr) => {
+                let mut writer = ExrWriter::new(&name, rows, self.height, &self.options)?;
+                writer.rows(rows, &mut self.file)?;
+                self.content = Content::Exr(Box::new(writer));
+            }
+            (Content::Nothing, _) => {
+                // What can't be encoded is said before the rest is computed.
+                write_raster::check(&name, self.format, rows, &self.options)?;
+                let mut whole = rows.clone().into_owned();
+                let more = (self.height - rows.height.min(self.height)) * rows.width;
+                for plane in whole.variables.iter_mut().flat_map(|v| &mut v.planes) {
+                    plane
+                        .to_mut()
+                        .try_reserve_exact(more)
+                        .map_err(|_| unwritable(&name, "memory is short"))?;
+                }
+                whole.metadata.resolution = Some(rows.resolution());
+                self.content = Content::Picture(whole);
+            }
+            (Content::Exr(writer), _) => writer.rows(rows, &mut self.file)?,
+            (Content::Picture(whole), _) => {
+                whole.height += rows.height;
+                for (whole, rows) in whole.variables.iter_mut().zip(&rows.variables) {
+                    for (whole, rows) in whole.planes.iter_mut().zip(&rows.planes) {
+                        whole.to_mut().extend_from_slice(rows);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// All rows are there: the file appears.
+    ///
+    /// # Errors
+    /// If the format can't hold the image, or the operating system refuses. For a closed pipe
+    /// [`ImageError::is_broken_pipe`] holds.
+    pub fn finish(mut self) -> Result<(), ImageError> {
+        let name = self.file.name().to_string();
+        match self.content {
+            Content::Nothing => return Err(unwritable(&name, "the image has no pixels")),
+            Content::Exr(writer) => writer.finish(&mut self.file)?,
+            Content::Picture(image) => {
+                let bytes = write_raster::encode(&name, self.format, &image, &self.options)?;
+                self.file.write_all(&bytes).map_err(|e| ImageError::io("write", &name, &e))?;
+            }
+        }
+        self.file.finish()
+    }
+}
+
+/// Is it an image at all?
+fn check(name: &str, image: &Image<'_>) -> Result<(), ImageError> {
     let refuse = |why: String| Err(unwritable(name, why));
     if image.width == 0 || image.height == 0 {
         return refuse("the image has no pixels".into());
@@ -159,10 +257,7 @@ pub fn encode(
             return refuse(format!("it would hold `{}` twice", variable.name));
         }
     }
-    match format {
-        Format::Exr => write_exr::encode(name, image, options),
-        _ => write_raster::encode(name, format, image, options),
-    }
+    Ok(())
 }
 
 pub(crate) fn unwritable(name: &str, why: impl std::fmt::Display) -> ImageError {

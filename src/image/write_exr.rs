@@ -16,73 +16,161 @@ use exr::meta::attribute::{
 use exr::meta::header::Header;
 use rayon::prelude::*;
 use smallvec::SmallVec;
+use std::io::{self, Seek, SeekFrom, Write};
 
 /// A channel to be written.
-struct Channel<'a> {
+struct Channel {
     name: String,
-    plane: &'a [f32],
+    /// Its variable and plane in the image.
+    plane: (usize, usize),
     half: bool,
 }
 
-/// The bytes of the file.
-pub(crate) fn encode(name: &str, image: &Image<'_>, options: &WriteOptions) -> Result<Vec<u8>, ImageError> {
-    let crypto = cryptomattes(image);
-    let mut channels = Vec::new();
-    for variable in &image.variables {
-        let is_crypto = crypto.iter().any(|c| c.has(&variable.name));
-        let exact = is_crypto || matches!(variable.name.as_str(), "surface" | "point" | "depth");
-        if has_empty(&variable.shape) {
-            let why = format!("`{}` holds an empty vector, which has no channels", variable.name);
-            return Err(unwritable(name, why));
-        }
-        let names = channel_names(variable, is_crypto);
-        for (i, channel) in names.into_iter().enumerate() {
-            // A grey colour fills three channels from one plane.
-            let plane = &variable.planes[i.min(variable.planes.len() - 1)];
-            channels.push(Channel { name: channel, plane, half: options.half && !exact });
-        }
-    }
-    if channels.is_empty() {
-        return Err(unwritable(name, "the image has no variables"));
-    }
-    channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
-    if let Some(pair) = channels.windows(2).find(|pair| pair[0].name == pair[1].name) {
-        let why = format!("two variables would be the channel `{}`", pair[0].name);
-        return Err(unwritable(name, why).hint("Rename one of them, or leave it out."));
-    }
-    let header = header(name, image, &channels, options.compression)?;
-    let attributes = attributes(image, &header, &crypto);
-    let long = |text: &str| text.len() > 31;
-    let attribute_long = attributes.iter().any(|(n, v)| long(n) || v.kind_name().len() > 31);
-    let too_long =
-        channels.iter().map(|c| &c.name).chain(attributes.iter().map(|a| &a.0)).find(|n| n.len() > 255);
-    if let Some(text) = too_long {
-        return Err(unwritable(name, format!("a name of more than 255 letters: `{text}`")));
-    }
-    let blocks = compress(name, image, &channels, &header)?;
+/// A file that is written block by block from the top.
+pub(crate) struct ExrWriter {
+    name: String,
+    header: Header,
+    channels: Vec<Channel>,
+    /// Magic number and attributes; they go into the file with the first rows.
+    start: Vec<u8>,
+    /// Where each block begins.
+    offsets: Vec<u64>,
+    /// Bytes written so far.
+    length: u64,
+    /// The row after the last one that came.
+    row: usize,
+    /// The samples of rows that do not fill a block yet.
+    pending: Vec<u8>,
+}
 
-    // Magic number and version 2, with a flag for names of more than 31 letters.
-    let mut out = super::read_exr::MAGIC.to_vec();
-    let flags = if attribute_long || channels.iter().any(|c| long(&c.name)) { 0x400u32 } else { 0 };
-    out.extend((2 | flags).to_le_bytes());
-    for (attribute_name, value) in &attributes {
-        let text = Text::new_or_none(attribute_name).unwrap_or_default();
-        attribute::write(text.as_slice(), value, &mut out).map_err(|e| unwritable(name, e))?;
+impl ExrWriter {
+    /// Settles the header of a file of so many rows; `first` holds the first ones.
+    pub fn new(
+        name: &str,
+        first: &Image<'_>,
+        height: usize,
+        options: &WriteOptions,
+    ) -> Result<ExrWriter, ImageError> {
+        let crypto = cryptomattes(first);
+        let mut channels = Vec::new();
+        for (index, variable) in first.variables.iter().enumerate() {
+            let is_crypto = crypto.iter().any(|c| c.has(&variable.name));
+            let exact = is_crypto || matches!(variable.name.as_str(), "surface" | "point" | "depth");
+            if has_empty(&variable.shape) {
+                let why = format!("`{}` holds an empty vector, which has no channels", variable.name);
+                return Err(unwritable(name, why));
+            }
+            let names = channel_names(variable, is_crypto);
+            for (i, channel) in names.into_iter().enumerate() {
+                // A grey colour fills three channels from one plane.
+                let plane = (index, i.min(variable.planes.len() - 1));
+                channels.push(Channel { name: channel, plane, half: options.half && !exact });
+            }
+        }
+        if channels.is_empty() {
+            return Err(unwritable(name, "the image has no variables"));
+        }
+        channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
+        if let Some(pair) = channels.windows(2).find(|pair| pair[0].name == pair[1].name) {
+            let why = format!("two variables would be the channel `{}`", pair[0].name);
+            return Err(unwritable(name, why).hint("Rename one of them, or leave it out."));
+        }
+        let header = header(name, first, height, &channels, options.compression)?;
+        let attributes = attributes(first, &header, &crypto);
+        let long = |text: &str| text.len() > 31;
+        let attribute_long = attributes.iter().any(|(n, v)| long(n) || v.kind_name().len() > 31);
+        let too_long =
+            channels.iter().map(|c| &c.name).chain(attributes.iter().map(|a| &a.0)).find(|n| n.len() > 255);
+        if let Some(text) = too_long {
+            return Err(unwritable(name, format!("a name of more than 255 letters: `{text}`")));
+        }
+        // Magic number and version 2, with a flag for names of more than 31 letters.
+        let mut start = super::read_exr::MAGIC.to_vec();
+        let flags = if attribute_long || channels.iter().any(|c| long(&c.name)) { 0x400u32 } else { 0 };
+        start.extend((2 | flags).to_le_bytes());
+        for (attribute_name, value) in &attributes {
+            let text = Text::new_or_none(attribute_name).unwrap_or_default();
+            attribute::write(text.as_slice(), value, &mut start).map_err(|e| unwritable(name, e))?;
+        }
+        start.push(0);
+        let (name, offsets, pending) = (name.to_string(), Vec::new(), Vec::new());
+        Ok(ExrWriter { name, header, channels, start, offsets, length: 0, row: 0, pending })
     }
-    out.push(0);
-    // The table of blocks, then the blocks: row, length, bytes.
-    let mut offset = (out.len() + 8 * blocks.len()) as u64;
-    for (_, bytes) in &blocks {
-        out.extend(offset.to_le_bytes());
-        offset += 8 + bytes.len() as u64;
+
+    /// Adds rows, and writes the blocks that they fill.
+    pub fn rows(&mut self, rows: &Image<'_>, out: &mut impl Write) -> Result<(), ImageError> {
+        let io = |e: io::Error| ImageError::io("write", &self.name, &e);
+        let height = self.header.layer_size.height();
+        let lines = self.header.compression.scan_lines_per_block();
+        if self.row == 0 {
+            // The table of blocks follows the header; it is filled in the end.
+            self.length = (self.start.len() + 8 * height.div_ceil(lines)) as u64;
+            out.write_all(&self.start).map_err(io)?;
+            out.write_all(&vec![0; 8 * height.div_ceil(lines)]).map_err(io)?;
+        }
+        let samples = |row: usize, bytes: &mut Vec<u8>| {
+            for channel in &self.channels {
+                let (variable, plane) = channel.plane;
+                let samples = &rows.variables[variable].planes[plane][row * rows.width..][..rows.width];
+                if channel.half {
+                    bytes.extend(samples.iter().flat_map(|&v| half::f16::from_f32(v).to_ne_bytes()));
+                } else {
+                    bytes.extend_from_slice(bytemuck::cast_slice(samples));
+                }
+            }
+        };
+        // Blocks of the whole image, some of whose rows may have come before, or are still to come.
+        let first = self.row;
+        let end = first + rows.height;
+        let full = if end == height { end.div_ceil(lines) } else { end / lines };
+        let begun = std::mem::take(&mut self.pending);
+        let header = &self.header;
+        let packed: Vec<Result<(i32, Vec<u8>), ImageError>> = (first / lines..full)
+            .into_par_iter()
+            .map(|block| {
+                let top = block * lines;
+                let count = lines.min(height - top);
+                let mut bytes = if top < first { begun.clone() } else { Vec::new() };
+                bytes.reserve_exact(header.channels.bytes_per_pixel * rows.width * count - bytes.len());
+                (top.max(first)..top + count).for_each(|row| samples(row - first, &mut bytes));
+                let section = IntegerBounds { position: Vec2(0, top as i32), size: Vec2(rows.width, count) };
+                let packed = header.compression.compress_image_section_to_le(header, bytes, section);
+                let row = header.own_attributes.layer_position.y() + top as i32;
+                Ok((row, packed.map_err(|e| unwritable(&self.name, e))?))
+            })
+            .collect();
+        // What is left begins the next block.
+        if full * lines < end {
+            if full * lines < first {
+                self.pending = begun;
+            }
+            (first.max(full * lines)..end).for_each(|row| samples(row - first, &mut self.pending));
+        }
+        for block in packed {
+            let (row, bytes) = block?;
+            self.offsets.push(self.length);
+            self.length += 8 + bytes.len() as u64;
+            out.write_all(&row.to_le_bytes()).map_err(io)?;
+            out.write_all(&(bytes.len() as i32).to_le_bytes()).map_err(io)?;
+            out.write_all(&bytes).map_err(io)?;
+        }
+        self.row = end;
+        Ok(())
     }
-    out.reserve(blocks.iter().map(|(_, bytes)| 8 + bytes.len()).sum());
-    for (row, bytes) in &blocks {
-        out.extend(row.to_le_bytes());
-        out.extend((bytes.len() as i32).to_le_bytes());
-        out.extend(bytes);
+
+    /// Fills the table of blocks.
+    pub fn finish(self, out: &mut (impl Write + Seek)) -> Result<(), ImageError> {
+        let height = self.header.layer_size.height();
+        if self.row != height {
+            return Err(unwritable(&self.name, format!("it has {} rows of {height}", self.row)));
+        }
+        let table: Vec<u8> = self.offsets.iter().flat_map(|o| o.to_le_bytes()).collect();
+        out.seek(SeekFrom::Start(self.start.len() as u64))
+            .and_then(|_| out.write_all(&table))
+            .and_then(|()| out.seek(SeekFrom::End(0)))
+            .map_err(|e| ImageError::io("write", &self.name, &e))?;
+        Ok(())
     }
-    Ok(out)
 }
 
 /// The names of a variable's channels: `R G B (A)` for `color`, `A` for `alpha`, `.x .y .z .w` for short
@@ -123,7 +211,8 @@ fn has_empty(shape: &Shape) -> bool {
 fn header(
     name: &str,
     image: &Image<'_>,
-    channels: &[Channel<'_>],
+    rows: usize,
+    channels: &[Channel],
     compression: Compression,
 ) -> Result<Header, ImageError> {
     let mut list: SmallVec<[ChannelDescription; 5]> = SmallVec::new();
@@ -141,12 +230,12 @@ fn header(
     let about = &image.metadata;
     let place = |axis: usize| {
         let start = i64::from(about.display_origin[axis]) + i64::from(about.origin[axis]);
-        let size = [image.width, image.height][axis] as i64;
+        let size = [image.width, rows][axis] as i64;
         let within = start > -(1 << 29) && start + size < (1 << 29);
         within.then_some(start as i32).ok_or_else(|| unwritable(name, "its data window lies too far out"))
     };
     let position = Vec2(place(0)?, place(1)?);
-    let [width, height] = image.resolution();
+    let [width, height] = image.metadata.resolution.unwrap_or([image.width, rows]);
     if width.max(height) >= 1 << 29 {
         return Err(unwritable(name, "its display window is too large"));
     }
@@ -158,7 +247,7 @@ fn header(
         Compression::Zip => Exr::ZIP16,
         Compression::Piz => Exr::PIZ,
     };
-    let mut header = Header::new(Text::default(), (image.width, image.height), list).with_encoding(
+    let mut header = Header::new(Text::default(), (image.width, rows), list).with_encoding(
         compression,
         BlockDescription::ScanLines,
         LineOrder::Increasing,
@@ -238,36 +327,4 @@ fn cryptomattes(image: &Image<'_>) -> Vec<Cryptomatte> {
         Some(matte)
     };
     image.metadata.attributes.list.iter().filter_map(of).collect()
-}
-
-/// The blocks: the first row's place in the file's plane, and the compressed bytes.
-fn compress(
-    name: &str,
-    image: &Image<'_>,
-    channels: &[Channel<'_>],
-    header: &Header,
-) -> Result<Vec<(i32, Vec<u8>)>, ImageError> {
-    let rows = header.compression.scan_lines_per_block();
-    let top = header.own_attributes.layer_position.y();
-    (0..image.height.div_ceil(rows))
-        .into_par_iter()
-        .map(|block| {
-            let first = block * rows;
-            let count = rows.min(image.height - first);
-            let mut bytes = Vec::with_capacity(header.channels.bytes_per_pixel * image.width * count);
-            for row in first..first + count {
-                for channel in channels {
-                    let samples = &channel.plane[row * image.width..][..image.width];
-                    if channel.half {
-                        bytes.extend(samples.iter().flat_map(|&v| half::f16::from_f32(v).to_ne_bytes()));
-                    } else {
-                        bytes.extend(samples.iter().flat_map(|v| v.to_ne_bytes()));
-                    }
-                }
-            }
-            let section = IntegerBounds { position: Vec2(0, first as i32), size: Vec2(image.width, count) };
-            let packed = header.compression.compress_image_section_to_le(header, bytes, section);
-            Ok((top + first as i32, packed.map_err(|e| unwritable(name, e))?))
-        })
-        .collect()
 }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::io::Cursor;
 
 /// The picture: three planes of colour or one of grey three times, and alpha.
-struct Picture<'a> {
+pub(super) struct Picture<'a> {
     color: [&'a [f32]; 3],
     alpha: Option<&'a [f32]>,
 }
@@ -26,18 +26,8 @@ pub(crate) fn encode(
     image: &Image<'_>,
     options: &WriteOptions,
 ) -> Result<Vec<u8>, ImageError> {
-    let picture = picture(name, image)?;
-    let bits = bits(name, format, options)?;
+    let (picture, bits) = check(name, format, image, options)?;
     let [width, height] = image.resolution();
-    let largest = match format {
-        Format::Jpeg | Format::Tga => 65535,
-        Format::Webp => 16383,
-        _ => 1 << 24,
-    };
-    if width.max(height) > largest || width.saturating_mul(height) > 1 << 31 {
-        let why = format!("its display window, {width} x {height}, is too large for the format");
-        return Err(unwritable(name, why));
-    }
     let has_alpha = picture.alpha.is_some() && !matches!(format, Format::Jpeg | Format::Hdr);
     let count = if has_alpha { 4 } else { 3 };
     let whole = bits != 32;
@@ -84,6 +74,28 @@ pub(crate) fn encode(
     };
     done.map_err(|e| unwritable(name, e))?;
     Ok(out.into_inner())
+}
+
+/// The picture, and the bits of a component; or why the format cannot hold it.
+pub(super) fn check<'a>(
+    name: &str,
+    format: Format,
+    image: &'a Image<'_>,
+    options: &WriteOptions,
+) -> Result<(Picture<'a>, u8), ImageError> {
+    let picture = picture(name, image)?;
+    let bits = bits(name, format, options)?;
+    let [width, height] = image.resolution();
+    let largest = match format {
+        Format::Jpeg | Format::Tga => 65535,
+        Format::Webp => 16383,
+        _ => 1 << 24,
+    };
+    if width.max(height) > largest || width.saturating_mul(height) > 1 << 31 {
+        let why = format!("its display window, {width} x {height}, is too large for the format");
+        return Err(unwritable(name, why));
+    }
+    Ok((picture, bits))
 }
 
 fn picture<'a>(name: &str, image: &'a Image<'_>) -> Result<Picture<'a>, ImageError> {

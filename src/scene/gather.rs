@@ -6,14 +6,15 @@ use super::error::SceneError;
 use super::ray::{Hit, Ray};
 use super::scenes::{self, SceneInfo, World};
 use super::sphere::Sphere;
-use crate::image::{Image, Variable};
+use crate::image::{Image, Metadata, Variable};
 use crate::shape::Shape;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 
-/// The most pixels of a picture: 16384 by 8192, some 9 gigabytes of planes.
-pub(super) const MAX_PIXELS: usize = 1 << 27;
+/// The most pixels of a picture: 32768 by 32768. As a whole in memory that would be some 80 gigabytes of planes.
+pub(super) const MAX_PIXELS: usize = 1 << 30;
 
 /// `depth` where nothing was hit, as Blender writes it.
 const NOTHING: f64 = 1e10;
@@ -39,54 +40,96 @@ const EXIT_CELLS: usize = 8;
 
 /// Renders the scene of that name; see the module's conventions for what the image holds.
 pub fn render(name: &str, options: &Options) -> Result<Image<'static>, SceneError> {
-    let scene = scenes::find(name)?;
-    let (width, height) = (options.width, options.height);
-    if !width.checked_mul(height).is_some_and(|n| n > 0 && n <= MAX_PIXELS) {
-        return Err(SceneError::BadSize { width, height });
-    }
-    let view = View::new(scene, options)?;
+    Renderer::new(name, options)?.rows(0..options.height)
+}
 
-    // One plane after another is filled with zeros, so that a lack of memory is an error and no abort.
-    let variables = || VARIABLES.iter().chain(EXITS.iter().filter(|_| scene.exits));
-    let count = variables().map(|v| v.1 as usize).sum();
-    let mut planes: Vec<Vec<f32>> = Vec::with_capacity(count);
-    for _ in 0..count {
-        let mut plane = Vec::new();
-        plane.try_reserve_exact(width * height).map_err(|_| SceneError::OutOfMemory { width, height })?;
-        plane.resize(width * height, 0.0);
-        planes.push(plane);
+/// A view of a scene, to be rendered a few rows at a time.
+pub struct Renderer {
+    view: View,
+    size: [usize; 2],
+    exits: bool,
+}
+
+impl Renderer {
+    /// The scene of that name. Nothing is rendered yet.
+    pub fn new(name: &str, options: &Options) -> Result<Renderer, SceneError> {
+        let scene = scenes::find(name)?;
+        let (width, height) = (options.width, options.height);
+        if !width.checked_mul(height).is_some_and(|n| n > 0 && n <= MAX_PIXELS) {
+            return Err(SceneError::BadSize { width, height });
+        }
+        Ok(Renderer { view: View::new(scene, options)?, size: [width, height], exits: scene.exits })
     }
 
-    // Cut all planes into the same bands of pixels, and give each band to some thread.
-    let band = 4096.min(width * height);
-    let mut bands: Vec<Vec<&mut [f32]>> = Vec::new();
-    for plane in &mut planes {
-        for (i, part) in plane.chunks_mut(band).enumerate() {
-            match bands.get_mut(i) {
-                Some(parts) => parts.push(part),
-                None => bands.push(vec![part]),
+    /// Columns and rows of the whole picture.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// The names of the variables.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.variables().map(|(name, _)| *name)
+    }
+
+    fn variables(&self) -> impl Iterator<Item = &'static (&'static str, u32)> {
+        VARIABLES.iter().chain(EXITS.iter().filter(|_| self.exits))
+    }
+
+    /// Renders some rows, as an image whose origin is theirs.
+    ///
+    /// # Errors
+    /// If memory does not suffice.
+    pub fn rows(&self, rows: Range<usize>) -> Result<Image<'static>, SceneError> {
+        let [width, height] = self.size;
+        let total = width * rows.len();
+        // One plane after another is filled with zeros, so that a lack of memory is an error and no abort.
+        let count = self.variables().map(|v| v.1 as usize).sum();
+        let mut planes: Vec<Vec<f32>> = Vec::with_capacity(count);
+        for _ in 0..count {
+            let mut plane = Vec::new();
+            let size = || SceneError::OutOfMemory { width, height: rows.len() };
+            plane.try_reserve_exact(total).map_err(|_| size())?;
+            plane.resize(total, 0.0);
+            planes.push(plane);
+        }
+
+        // Cut all planes into the same stretches of pixels, and give each to some thread.
+        let stretch = 4096.min(total).max(1);
+        let mut stretches: Vec<Vec<&mut [f32]>> = Vec::new();
+        for plane in &mut planes {
+            for (i, part) in plane.chunks_mut(stretch).enumerate() {
+                match stretches.get_mut(i) {
+                    Some(parts) => parts.push(part),
+                    None => stretches.push(vec![part]),
+                }
             }
         }
-    }
-    bands.par_iter_mut().enumerate().for_each(|(i, parts)| {
-        for j in 0..parts[0].len() {
-            let pixel = i * band + j;
-            let cells = view.pixel(pixel % width, pixel / width);
-            for (part, cell) in parts.iter_mut().zip(cells) {
-                part[j] = cell as f32;
+        stretches.par_iter_mut().enumerate().for_each(|(i, parts)| {
+            for j in 0..parts[0].len() {
+                let pixel = i * stretch + j;
+                let cells = self.view.pixel(pixel % width, rows.start + pixel / width);
+                for (part, cell) in parts.iter_mut().zip(cells) {
+                    part[j] = cell as f32;
+                }
             }
-        }
-    });
+        });
 
-    let mut planes = planes.into_iter();
-    let variables = variables()
-        .map(|&(name, cells)| Variable {
-            name: name.into(),
-            shape: if cells == 1 { Shape::Scalar } else { Shape::Vector(cells) },
-            planes: planes.by_ref().take(cells as usize).map(Cow::Owned).collect(),
-        })
-        .collect();
-    Ok(Image { width, height, variables, metadata: Default::default() })
+        let mut planes = planes.into_iter();
+        let variables = self
+            .variables()
+            .map(|&(name, cells)| Variable {
+                name: name.into(),
+                shape: if cells == 1 { Shape::Scalar } else { Shape::Vector(cells) },
+                planes: planes.by_ref().take(cells as usize).map(Cow::Owned).collect(),
+            })
+            .collect();
+        let mut metadata = Metadata::default();
+        if rows != (0..height) {
+            metadata.resolution = Some(self.size);
+            metadata.origin[1] = rows.start as i32;
+        }
+        Ok(Image { width, height: rows.len(), variables, metadata })
+    }
 }
 
 /// A scene with a camera before it.

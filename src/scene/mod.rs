@@ -34,7 +34,7 @@ mod vase;
 mod tests;
 
 pub use error::SceneError;
-pub use gather::render;
+pub use gather::{Renderer, render};
 pub use parse::{parse_point, parse_size};
 pub use scenes::{SceneInfo, find, scenes};
 

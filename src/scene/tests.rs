@@ -309,7 +309,7 @@ fn errors_say_what_to_do() {
         say("donut", options(0, 480)),
         "a picture of 0x480 has no pixels; give at least one column and one row"
     );
-    assert!(say("donut", options(usize::MAX, 2)).ends_with("is too large; give at most 134217728 pixels"));
+    assert!(say("donut", options(usize::MAX, 2)).ends_with("is too large; give at most 1073741824 pixels"));
     assert_eq!(
         say("sphere", seen_from([0.5, 0.0, 0.0])),
         "the eye is in the sphere; move it out, for example to 0,-6,0"

@@ -47,7 +47,7 @@ pub(super) struct Plan {
     /// The variables to read.
     pub wanted: Vec<String>,
     /// How many pixels about a region the program needs to know.
-    pub around: i64,
+    pub around: usize,
     /// The built-in scene.
     pub scene: Option<String>,
     /// Was that scene chosen because there is no input?
@@ -95,9 +95,12 @@ impl Plan {
             // Scenes and files use this pool too. It is built once; a second try changes nothing.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.min(MAX_THREADS)).build_global();
         }
-        let near = reads_neighbours(&program) && args.pixelsize.is_none();
+        let sized = reads_size(&program) && args.pixelsize.is_none();
+        let near = sized || program.resolved().derivatives;
+        // What tells which neighbours count.
+        let looks = [("point", sized), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
         Ok(Plan {
-            wanted: wanted(&program, vars.as_deref().unwrap_or_default(), near),
+            wanted: wanted(&program, vars.as_deref().unwrap_or_default(), looks),
             around: if near { 2 } else { 0 },
             set: args.set.iter().map(|s| set(s)).collect::<Result<_, _>>()?,
             scene: scene(args)?,
@@ -192,19 +195,22 @@ fn scene(args: &RunArgs) -> Result<Option<String>, Failure> {
     Ok(Some(DEFAULT_SCENE.into()))
 }
 
-/// Does it read what depends on a pixel's neighbours?
-fn reads_neighbours(program: &Program) -> bool {
+/// Does it read how large a pixel is?
+fn reads_size(program: &Program) -> bool {
     let near = |name: &str| matches!(name, "pixelsize" | "pixel_freq");
     program.resolved().globals.iter().any(|g| g.read.is_some() && near(&g.name))
 }
 
 /// The variables that the program may take from an image.
-fn wanted(program: &Program, vars: &[String], near: bool) -> Vec<String> {
+fn wanted(program: &Program, vars: &[String], looks: impl Iterator<Item = &'static str>) -> Vec<String> {
     // A variable that is only assigned at some pixels keeps the image's value at the others.
     let own = program.resolved().globals.iter().filter(|g| !g.library && g.framed.is_none());
-    let near = ["point", "surface"].into_iter().filter(|_| near);
     let mut names: Vec<String> = Vec::new();
-    for name in own.map(|g| g.name.as_str()).chain(vars.iter().map(String::as_str)).chain(near) {
+    for name in own
+        .map(|g| g.name.as_str())
+        .chain(vars.iter().map(String::as_str))
+        .chain(looks.map(|n| -> &str { n }))
+    {
         if !names.iter().any(|n| n == name) {
             names.push(name.to_string());
         }

@@ -5,6 +5,7 @@ mod gbuffers;
 mod parts;
 mod renderers;
 mod round_trip;
+mod rows;
 
 use super::*;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Layer};
@@ -18,6 +19,7 @@ struct Part {
     size: (usize, usize),
     compression: exr::prelude::Compression,
     blocks: Blocks,
+    order: LineOrder,
     channels: Vec<(String, FlatSamples)>,
 }
 
@@ -33,6 +35,7 @@ fn part(name: Option<&'static str>, size: (usize, usize), channels: &[&str]) -> 
         size,
         compression: exr::prelude::Compression::ZIP16,
         blocks: Blocks::ScanLines,
+        order: LineOrder::Increasing,
         channels: channels.iter().enumerate().map(|(i, c)| (c.to_string(), fill(i))).collect(),
     }
 }
@@ -48,8 +51,7 @@ fn exr_bytes(parts: Vec<Part>, display: (usize, usize)) -> Vec<u8> {
                 layer_position: Vec2(p.origin.0, p.origin.1),
                 ..LayerAttributes::default()
             };
-            let encoding =
-                Encoding { compression: p.compression, blocks: p.blocks, line_order: LineOrder::Increasing };
+            let encoding = Encoding { compression: p.compression, blocks: p.blocks, line_order: p.order };
             Layer::new(p.size, attributes, encoding, AnyChannels::sort(list))
         })
         .collect();

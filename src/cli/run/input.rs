@@ -1,0 +1,132 @@
+//! What a frame runs on: rows of files or of a scene, as they are wanted, or all of them in memory.
+
+use super::{Plan, RunArgs};
+use crate::cli::failure::Failure;
+use crate::cli::input::{Inputs, Reader};
+use crate::cli::region::{Region, bands};
+use crate::image::{Image, Metadata, Variable};
+use crate::scene::Renderer;
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A frame's input.
+pub(super) struct FrameInput {
+    pub inputs: Arc<Inputs>,
+    scene: Option<Renderer>,
+    /// All of it in memory, if it is to be run several times.
+    whole: Option<Image<'static>>,
+    /// Size and windows.
+    about: Image<'static>,
+    /// The variables that are read, but for those of named images.
+    pub names: String,
+    /// The rows to run.
+    rows: Range<usize>,
+    region: Option<Region>,
+    /// How many pixels about the region, and about a band, the program needs to know.
+    around: usize,
+    /// Run as one band?
+    one: bool,
+}
+
+/// Some rows to run, in an image that has also those about them.
+pub(super) struct Band<'a> {
+    pub image: Image<'a>,
+    pub rows: Range<usize>,
+}
+
+impl FrameInput {
+    /// Opens the files. They are read at once if they are `kept` for several runs, else band by band.
+    pub fn open(args: &RunArgs, plan: &Plan, frame: Option<i64>, kept: bool) -> Result<FrameInput, Failure> {
+        let inputs = Inputs::open(&args.input, &args.map, args.raw, frame)?;
+        let scene = plan.scene.as_ref().map(|name| args.view.renderer(name)).transpose()?;
+        let mut reader = inputs.reader(scene.as_ref(), &plan.wanted)?;
+        let about = reader.about().clone();
+        let own: Vec<&str> = reader.names().filter(|n| !n.contains('.')).collect();
+        let names = own.join(", ");
+        let rows = match args.region {
+            Some(region) => region.rows(&about)?,
+            None => 0..about.height,
+        };
+        let whole = if kept { Some(reader.read(0..about.height)?) } else { None };
+        drop(reader);
+        let (around, one, region) = (plan.around, args.repeat.is_some(), args.region);
+        let inputs = Arc::new(inputs);
+        Ok(FrameInput { inputs, scene, whole, about, names, rows, region, around, one })
+    }
+
+    /// The pixels that are run, and what lies where.
+    pub fn about(&self) -> Result<Image<'static>, Failure> {
+        match self.region {
+            Some(region) => region.cut(&self.about, 0),
+            None => Ok(self.about.clone()),
+        }
+    }
+
+    /// The rows of each band.
+    pub fn bands(&self) -> Vec<Range<usize>> {
+        match self.one {
+            true => vec![self.rows.clone()],
+            false => bands(self.about.width, self.rows.clone()).collect(),
+        }
+    }
+
+    /// A way through all bands from the first.
+    pub fn reader<'a>(&'a self, plan: &Plan) -> Result<BandReader<'a>, Failure> {
+        let reader = match &self.whole {
+            Some(_) => None,
+            None => Some(self.inputs.reader(self.scene.as_ref(), &plan.wanted)?),
+        };
+        Ok(BandReader { input: self, reader })
+    }
+
+    /// What was run, without the pixels about the region.
+    pub fn cut(&self, image: Image<'static>) -> Result<Image<'static>, Failure> {
+        match self.region {
+            Some(region) if self.around > 0 => region.cut(&image, 0),
+            _ => Ok(image),
+        }
+    }
+}
+
+/// Reads band after band.
+pub(super) struct BandReader<'a> {
+    input: &'a FrameInput,
+    reader: Option<Reader<'a>>,
+}
+
+impl<'a> BandReader<'a> {
+    /// The band of these rows.
+    pub fn read(&mut self, rows: Range<usize>) -> Result<Band<'a>, Failure> {
+        let FrameInput { around, about, region, .. } = self.input;
+        let with = rows.start.saturating_sub(*around)..about.height.min(rows.end + around);
+        let inner = rows.start - with.start..rows.end - with.start;
+        let image = match (&mut self.reader, &self.input.whole) {
+            (Some(reader), _) => reader.read(with)?,
+            (None, Some(whole)) => part(whole, with),
+            (None, None) => Image::default(),
+        };
+        let image = match region {
+            Some(region) => region.cut(&image, *around as i64)?,
+            None => image,
+        };
+        Ok(Band { image, rows: inner })
+    }
+}
+
+/// Some rows of an image, borrowed.
+fn part<'a>(whole: &'a Image<'static>, rows: Range<usize>) -> Image<'a> {
+    let pixels = rows.start * whole.width..rows.end * whole.width;
+    let variables = whole.variables.iter().map(|v| Variable {
+        name: v.name.clone(),
+        shape: v.shape.clone(),
+        planes: v.planes.iter().map(|p| Cow::Borrowed(&p[pixels.clone()])).collect(),
+    });
+    let [x, y] = whole.metadata.origin;
+    let metadata = Metadata {
+        origin: [x, y + rows.start as i32],
+        resolution: Some(whole.resolution()),
+        ..whole.metadata.clone()
+    };
+    Image { width: whole.width, height: rows.len(), variables: variables.collect(), metadata }
+}

@@ -1,0 +1,183 @@
+//! Reading, running and writing at the same time: each band of rows goes from one to the next.
+
+use super::input::{Band, FrameInput};
+use super::plan::{Output, Plan};
+use super::{RunArgs, not_finite};
+use crate::cli::failure::Failure;
+use crate::cli::output;
+use crate::cli::stats::Stats;
+use crate::eval::Profile;
+use crate::image::{Format, Image, Writer};
+use crate::program::{RunOptions, Stream};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// What a run of all bands gave, but for the pixels.
+#[derive(Default)]
+pub(super) struct Outcome {
+    pub stats: Stats,
+    pub by_normal: bool,
+    pub profile: Option<Profile>,
+}
+
+/// Runs all bands and writes the outputs. `done` counts the pixels of the bands that are run.
+pub(super) fn run(
+    args: &RunArgs,
+    plan: &Plan,
+    input: &FrameInput,
+    outputs: &[Output],
+    options: &RunOptions<'_>,
+    done: &AtomicUsize,
+) -> Result<Outcome, Failure> {
+    let start = Instant::now();
+    let mut stream = plan.program.stream(options);
+    loop {
+        done.store(0, Ordering::Relaxed);
+        let attempt = Attempt { args, plan, input, outputs, done };
+        if let Some(mut outcome) = attempt.run(&mut stream)? {
+            outcome.stats.wall = start.elapsed();
+            return Ok(outcome);
+        }
+        // An output has become wider on the way: all bands again.
+    }
+}
+
+/// One way through all bands.
+struct Attempt<'a> {
+    args: &'a RunArgs,
+    plan: &'a Plan,
+    input: &'a FrameInput,
+    outputs: &'a [Output],
+    done: &'a AtomicUsize,
+}
+
+impl<'a> Attempt<'a> {
+    /// `None`: to be begun again.
+    fn run(&self, stream: &mut Stream<'_>) -> Result<Option<Outcome>, Failure> {
+        // A place in each of the two queues: while a band runs, the next is read and the last one written.
+        let (read, bands) = sync_channel(1);
+        let (run, images) = sync_channel(1);
+        let (ran, read, written) = thread::scope(|scope| {
+            let reader = scope.spawn(move || self.read(&read));
+            let writer = scope.spawn(move || self.write(&images));
+            let ran = self.run_bands(stream, bands, run);
+            (ran, reader.join(), writer.join())
+        });
+        let (Ok(read), Ok(written)) = (read, written) else {
+            return Err(Failure::plain("internal error: a thread has ended before its time"));
+        };
+        // Where writing fails the bands after are not run; the writer says why.
+        let (writers, mut write) = match (written, &ran) {
+            (Err(failure), Ok(_) | Err(None)) => return Err(failure),
+            (Ok(written), _) => written,
+            (Err(_), Err(Some(_))) => Default::default(),
+        };
+        let Some(mut outcome) = ran.map_err(|failure| failure.unwrap_or(Failure::Said))? else {
+            return Ok(None);
+        };
+        let start = Instant::now();
+        for writer in writers {
+            writer.finish()?;
+        }
+        write += start.elapsed();
+        (outcome.stats.read, outcome.stats.write) = (read, write);
+        Ok(Some(outcome))
+    }
+
+    /// Reads band after band, and says how long it took.
+    fn read(&self, bands: &SyncSender<Result<Band<'a>, Failure>>) -> Duration {
+        let start = Instant::now();
+        let mut waited = Duration::ZERO;
+        let mut send = |band| {
+            let start = Instant::now();
+            let sent = bands.send(band).is_ok();
+            waited += start.elapsed();
+            sent
+        };
+        match self.input.reader(self.plan) {
+            Err(failure) => {
+                send(Err(failure));
+            }
+            Ok(mut reader) => {
+                // Nobody takes a band any more when something else has failed.
+                self.input.bands().into_iter().all(|rows| {
+                    let band = reader.read(rows);
+                    let good = band.is_ok();
+                    send(band) && good
+                });
+            }
+        }
+        start.elapsed() - waited
+    }
+
+    /// Writes band after band to all outputs, which are still to be finished.
+    fn write(&self, images: &Receiver<Image<'static>>) -> Result<(Vec<Writer>, Duration), Failure> {
+        let mut took = Duration::ZERO;
+        let mut writers = Vec::new();
+        for image in images {
+            let start = Instant::now();
+            for (i, output) in self.outputs.iter().enumerate() {
+                if writers.len() == i {
+                    let height = self.input.about()?.height;
+                    writers.push(Writer::create(&output.path, height, &self.args.write_options())?);
+                }
+                match &self.plan.shown {
+                    Some(name) if output.format != Format::Exr => {
+                        writers[i].rows(&output::picture(&image, name)?)?;
+                    }
+                    _ => writers[i].rows(&image)?,
+                }
+            }
+            took += start.elapsed();
+        }
+        Ok((writers, took))
+    }
+
+    /// Runs band after band. `None` as the failure: the writer has ended.
+    fn run_bands(
+        &self,
+        stream: &mut Stream<'_>,
+        bands: Receiver<Result<Band<'a>, Failure>>,
+        images: SyncSender<Image<'static>>,
+    ) -> Result<Option<Outcome>, Option<Failure>> {
+        let mut outcome = Outcome::default();
+        let repeat = self.args.repeat.unwrap_or(1);
+        outcome.stats.runs = vec![Duration::ZERO; repeat];
+        let alone = self.input.bands().len() == 1;
+        for band in bands {
+            let Band { image, rows } = band.map_err(Some)?;
+            let mut last = None;
+            for run in &mut outcome.stats.runs {
+                let start = Instant::now();
+                let report = stream.rows(&image, rows.clone()).map_err(|e| Some(e.into()))?;
+                let Some(report) = report else { return Ok(None) };
+                // Beside reading and writing the clock on the wall tells little.
+                *run += if alone { start.elapsed() } else { report.time };
+                last = Some(report);
+            }
+            let Some(mut report) = last else { continue };
+            let held = report.image.width * report.image.height;
+            report.image = self.input.cut(report.image).map_err(Some)?;
+            let pixels = report.image.width * report.image.height;
+            if pixels != held {
+                report.not_finite = not_finite(&report.image);
+            }
+            let stats = &mut outcome.stats;
+            stats.pixels += pixels;
+            stats.not_finite += report.not_finite;
+            stats.threads = stats.threads.max(report.threads);
+            outcome.by_normal |= report.by_normal;
+            match (&mut outcome.profile, report.profile) {
+                (Some(all), Some(more)) => {
+                    more.iter().for_each(|(place, spent)| all.entry(*place).or_default().add(spent));
+                }
+                (all, more) => *all = more,
+            }
+            self.done.fetch_add(held, Ordering::Relaxed);
+            images.send(report.image).map_err(|_| None)?;
+        }
+        Ok(Some(outcome))
+    }
+}

@@ -1,0 +1,148 @@
+//! A file's variables a few rows at a time, so that an image need not be in memory as a whole.
+
+use super::error::{ErrorKind, ImageError};
+use super::file::{File, Source};
+use super::scan_exr::Scan;
+use super::{Image, Variable, guard};
+use crate::shape::Shape;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// Some variables of a file, read from the top down.
+///
+/// EXR files are decoded as far as the rows that are asked for; of other formats the picture is decoded when the
+/// first row is.
+pub struct Rows<'f> {
+    file: &'f File,
+    /// Name, shape and channels of each variable.
+    variables: Vec<(String, Shape, Vec<usize>)>,
+    wanted: Vec<bool>,
+    pixels: Decoded<'f>,
+    /// A plane for each wanted channel of the file, of the rows that are in memory.
+    planes: Vec<Vec<f32>>,
+    /// Which rows those are.
+    held: Range<usize>,
+    /// The rows before this one have been decoded.
+    done: usize,
+}
+
+enum Decoded<'f> {
+    Exr(Scan<'f>),
+    /// A picture of another format, once it is decoded.
+    Whole(bool),
+}
+
+impl File {
+    /// Prepares to read these variables, in this order, and nothing else.
+    ///
+    /// # Errors
+    /// If one is missing or ambiguous, or the file cannot be opened.
+    pub fn rows(&self, names: &[&str]) -> Result<Rows<'_>, ImageError> {
+        let mut wanted = vec![false; self.channels.len()];
+        let mut variables = Vec::new();
+        for name in names {
+            let found = self.find(name)?;
+            found.channels.iter().for_each(|&c| wanted[c] = true);
+            variables.push((name.to_string(), found.shape.clone(), found.channels.clone()));
+        }
+        let pixels = match &self.source {
+            Source::Exr(exr) => Decoded::Exr(Scan::new(exr, &self.input, &self.channels, &wanted)?),
+            Source::Raster(_) => Decoded::Whole(false),
+        };
+        let planes = vec![Vec::new(); wanted.len()];
+        Ok(Rows { file: self, variables, wanted, pixels, planes, held: 0..0, done: 0 })
+    }
+
+    /// Can its rows be read one after another, without the whole picture in memory?
+    pub fn streams(&self) -> bool {
+        matches!(self.source, Source::Exr(_))
+    }
+}
+
+impl Rows<'_> {
+    /// The next rows, as an image whose origin is theirs. They may begin again with rows that were read before, but
+    /// not further up than the last ones began.
+    ///
+    /// # Errors
+    /// If the file turns out damaged, or memory does not suffice.
+    ///
+    /// # Panics
+    /// If the rows lie outside the image or begin too far up.
+    pub fn read(&mut self, rows: Range<usize>) -> Result<Image<'static>, ImageError> {
+        let [width, height] = self.file.size();
+        assert!(rows.start >= self.held.start && rows.end <= height, "rows are read from the top down");
+        self.decode(&rows)?;
+        let about = self.file.metadata();
+        let mut metadata = about.clone();
+        if rows != (0..height) {
+            metadata.resolution = Some(about.resolution.unwrap_or([width, height]));
+            metadata.origin[1] += rows.start as i32;
+        }
+        // The whole image takes the planes with it, each with its last user.
+        let last = rows == (0..height);
+        let mut uses = vec![0usize; self.planes.len()];
+        self.variables.iter().flat_map(|v| &v.2).for_each(|&c| uses[c] += 1);
+        let part = (rows.start - self.held.start) * width..(rows.end - self.held.start) * width;
+        let mut plane = |c: usize| {
+            uses[c] -= 1;
+            match last && uses[c] == 0 {
+                true => std::mem::take(&mut self.planes[c]),
+                false => self.planes[c][part.clone()].to_vec(),
+            }
+        };
+        let variables = self
+            .variables
+            .iter()
+            .map(|(name, shape, channels)| Variable {
+                name: name.clone(),
+                shape: shape.clone(),
+                planes: channels.iter().map(|&c| Cow::Owned(plane(c))).collect(),
+            })
+            .collect();
+        if last {
+            self.held = height..height;
+        }
+        Ok(Image { width, height: rows.len(), variables, metadata })
+    }
+
+    /// Brings these rows into memory, and lets go of those above.
+    fn decode(&mut self, rows: &Range<usize>) -> Result<(), ImageError> {
+        let [width, height] = self.file.size();
+        let name = self.file.name();
+        let too_large = || ImageError::new(ErrorKind::TooLarge, format!("`{name}` is too large"));
+        let scan = match &mut self.pixels {
+            Decoded::Exr(scan) => scan,
+            Decoded::Whole(decoded) => {
+                if let (false, Source::Raster(raster)) = (*decoded, &self.file.source)
+                    && self.wanted.contains(&true)
+                {
+                    self.planes = raster.decode(&self.file.input)?;
+                }
+                if !*decoded {
+                    (*decoded, self.held) = (true, 0..height);
+                }
+                return Ok(());
+            }
+        };
+        let end = scan.reach(rows.end).max(rows.end).max(self.held.end);
+        let gone = (rows.start.min(self.held.end) - self.held.start) * width;
+        let count = (end - rows.start).checked_mul(width).ok_or_else(too_large)?;
+        for (plane, _) in self.planes.iter_mut().zip(&self.wanted).filter(|(_, wanted)| **wanted) {
+            plane.drain(..gone);
+            if plane.is_empty() && plane.capacity() < count {
+                *plane = guard::plane(&name, count)?;
+            }
+            plane.resize(count, 0.0);
+        }
+        self.held = rows.start..end;
+        let planes = &mut self.planes;
+        scan.decode(self.done.max(rows.start)..rows.end, |line| {
+            if line.y >= rows.start {
+                let start = (line.y - rows.start) * width + line.x;
+                line.floats(&mut planes[line.channel][start..]);
+            }
+        })?;
+        self.done = self.done.max(rows.end);
+        Ok(())
+    }
+}
