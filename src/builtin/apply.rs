@@ -27,7 +27,7 @@ impl Builtin {
                 }
                 value
             }
-            Form::Whole(kernel) => kernel(call)?,
+            Form::Whole(kernel) | Form::Shadowed(kernel) => kernel(call)?,
         };
         call.room(value.planes.len())?;
         Ok(value)

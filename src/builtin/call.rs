@@ -11,6 +11,11 @@ pub struct Call<'a> {
     pub isa: Isa,
     /// How many lanes there are.
     pub n: usize,
+    /// How many of them, from the first on, are pixels. In programs with derivatives there are then as many lanes for
+    /// their shadows along the row, and as many for those along the column; else all lanes are pixels.
+    ///
+    /// What decides on a shape, or whether a call fails, is decided by a pixel for its shadows.
+    pub pixels: usize,
     /// Which of them are active. The others may hold anything: they must not fail.
     pub mask: &'a Mask,
     /// The arguments, one a parameter with defaults filled in; a `Rest` parameter's values come last.
@@ -133,8 +138,8 @@ impl Call<'_> {
                 let lanes = lanes.get(self.n);
                 let Some(first) = self.mask.first(self.n) else { return Ok(0.0) };
                 let x = lanes[first];
-                let same = |i: usize| lanes[i].to_bits() == x.to_bits();
-                if self.mask.lanes(self.n).all(same) {
+                let same = |i: usize| lanes[i % self.pixels].to_bits() == x.to_bits();
+                if self.mask.lanes(self.pixels).all(same) {
                     Ok(x)
                 } else {
                     Err(Fault::Split(Mask::from_fn(self.n, same)))

@@ -8,6 +8,7 @@ mod apply;
 mod arithmetic;
 mod call;
 mod color;
+mod derivatives;
 mod lists;
 mod matrices;
 mod noise;
@@ -106,6 +107,8 @@ pub enum Kernel {
     Fold(Lanes2),
     /// Whatever looks at whole values.
     Whole(fn(&Call<'_>) -> Result<Value, Fault>),
+    /// The like, and also at the pixels' shadows: a program that calls it runs with them.
+    Shadowed(fn(&Call<'_>) -> Result<Value, Fault>),
 }
 
 /// A group of functions: a heading and its table, in the order of the documentation.
@@ -124,6 +127,7 @@ pub static GROUPS: &[Group] = &[
     Group { title: "Vectors as lists", functions: lists::FUNCTIONS },
     Group { title: "Matrices", functions: matrices::FUNCTIONS },
     Group { title: "Shaping", functions: shaping::FUNCTIONS },
+    Group { title: "Derivatives", functions: derivatives::FUNCTIONS },
     Group { title: "Splines", functions: splines::FUNCTIONS },
     Group { title: "Colour", functions: color::FUNCTIONS },
     Group { title: "Noise", functions: noise::FUNCTIONS },
@@ -186,7 +190,7 @@ impl Builtin {
         match self.kernel {
             // The kinds of noise are what the minor parameters are for.
             Kernel::Whole(_) if self.params.iter().any(|p| p.minor) => 32,
-            Kernel::Whole(_) => 6,
+            Kernel::Whole(_) | Kernel::Shadowed(_) => 6,
             _ => 3,
         }
     }

@@ -5,6 +5,7 @@ use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use super::pixelsize;
 use super::run::{Failure, Options};
+use super::shadow::Neighbours;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
 use crate::resolve::names;
@@ -36,6 +37,8 @@ pub(super) enum Source<'r> {
 pub(super) struct Bound<'r> {
     /// One a global.
     pub sources: Vec<Source<'r>>,
+    /// Who has which neighbours, for programs with derivatives.
+    pub neighbours: Option<Neighbours>,
     width: usize,
     origin: [i32; 2],
     has: Vec<String>,
@@ -49,8 +52,7 @@ impl Source<'_> {
     }
 
     /// The variable at the beginning of a batch.
-    pub fn slot(&self, pixels: Pixels<'_>, n: usize, bound: &Bound<'_>) -> Slot {
-        debug_assert_eq!(n, pixels.len());
+    pub fn slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>) -> Slot {
         let value = match self {
             Source::Nowhere => return Slot::EMPTY,
             Source::Uniform(value) => Value::from(value),
@@ -110,6 +112,7 @@ pub(super) fn bind<'r>(
 ) -> Result<Bound<'r>, Failure> {
     let mut bound = Bound {
         sources: Vec::new(),
+        neighbours: program.derivatives.then(|| Neighbours::of(image)),
         width: image.width,
         origin: image.metadata.origin,
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
@@ -225,6 +228,7 @@ fn frame_values(
     });
     let frame = Bound {
         sources: sources.collect(),
+        neighbours: None,
         width: 1,
         origin: [0, 0],
         has: bound.has.clone(),

@@ -107,8 +107,14 @@ impl<'r> Machine<'r> {
         self.arguments(args, mask, &mut values)?;
         let cells = values.iter().map(|v| v.planes.len()).sum();
         self.work(cells, values.iter().all(Value::is_uniform), mask, span)?;
-        let call =
-            builtin::Call { isa: self.isa, n: self.n, mask, args: &values, max_cells: self.limits.cells };
+        let call = builtin::Call {
+            isa: self.isa,
+            n: self.n,
+            pixels: self.pixels(),
+            mask,
+            args: &values,
+            max_cells: self.limits.cells,
+        };
         let value = builtin
             .apply(&call)
             .map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;
@@ -183,7 +189,13 @@ impl<'r> Machine<'r> {
         for lane in mask.lanes(n) {
             let pixel: Vec<PixelValue> = values.iter().map(|v| v.pixel(lane)).collect();
             let Some(outcome) = host.call_pixel(&pixel) else { break };
-            let value = outcome.map_err(|why| failed(self, why, lane))?;
+            // A shadow has its pixel's value where it would have none, or one of another shape.
+            let pixel = if lane < self.pixels() { None } else { results[lane % self.pixels()].clone() };
+            let value = match (outcome, pixel) {
+                (Ok(value), Some(pixel)) if value.shape() != pixel.shape() => pixel,
+                (Err(_), Some(pixel)) => pixel,
+                (outcome, _) => outcome.map_err(|why| failed(self, why, lane))?,
+            };
             first.get_or_insert(lane);
             results[lane] = Some(value);
         }

@@ -127,7 +127,11 @@ impl<'r> Machine<'r> {
 
     /// A condition's truth: the lanes where it holds, and the rest.
     pub fn split(&self, condition: &Value, span: Span, mask: &Mask) -> Result<(Mask, Mask)> {
-        Ok(mask.split(self.condition(condition, span, mask)?, self.width()))
+        let plane = self.condition(condition, span, mask)?;
+        Ok(match self.shadowed() {
+            false => mask.split(plane, self.width()),
+            true => mask.split(&self.decided_plane(plane), self.width()),
+        })
     }
 
     fn condition<'v>(&self, condition: &'v Value, span: Span, mask: &Mask) -> Result<&'v Plane> {
@@ -220,7 +224,9 @@ impl<'r> Machine<'r> {
             }
         }
         let n = self.n;
+        let pixels = self.pixels();
         let count = |lane: usize| {
+            let lane = lane % pixels;
             (last.planes[0].lane(lane) - first.planes[0].lane(lane) + RANGE_SLACK).floor() + 1.0
         };
         let lane = self.first(mask);

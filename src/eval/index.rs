@@ -96,7 +96,7 @@ impl Machine<'_> {
             };
             Err(self.fault(error, lane))
         };
-        match index {
+        match &self.decided_plane(index) {
             Plane::Uniform(x) => Ok(Picked::One(check(*x, self.first(mask))?)),
             Plane::Varying(lanes) => {
                 let lanes = lanes.get(self.n);

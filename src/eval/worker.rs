@@ -58,6 +58,9 @@ impl<'r> Worker<'r> {
         if options.no_optimize {
             machine.plain();
         }
+        if program.derivatives {
+            machine.cast_shadows();
+        }
         Worker { machine, by_normal }
     }
 
@@ -103,6 +106,8 @@ impl<'r> Worker<'r> {
             Ok(()) => sink(&self.machine, pixels).map_err(Stop::Misfit),
             Err(Fault::Cancelled | Fault::Count(_)) => Err(Stop::Cancelled),
             Err(Fault::Error(error, lane)) => {
+                // A shadow's lane is told as its pixel's.
+                let lane = lane % pixels.len();
                 Err(self.earlier(pixels, lane).unwrap_or_else(|| Stop::Error(error, pixels.at(lane))))
             }
             Err(Fault::Split(mask)) => {

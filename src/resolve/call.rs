@@ -4,7 +4,7 @@ use super::lower::Resolver;
 use super::scope::Scope;
 use super::tree::{Expr, ExprKind};
 use super::{library, names};
-use crate::builtin::{self, Builtin, ParamKind};
+use crate::builtin::{self, Builtin, Kernel, ParamKind};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::syntax::{self, ast};
 
@@ -194,6 +194,7 @@ impl Resolver<'_> {
                 (None, None) => args.push(Expr { kind: ExprKind::Number(0.0), span }),
             }
         }
+        self.out.derivatives |= matches!(builtin.kernel, Kernel::Shadowed(_));
         Some(ExprKind::Builtin(builtin, args))
     }
 

@@ -27,6 +27,8 @@ pub struct Resolved {
     pub by_normal: Option<Vec<Stmt>>,
     /// How many expressions are computed once a frame and kept.
     pub kept: usize,
+    /// Does it ask for derivatives? Then each pixel runs with its shadows.
+    pub derivatives: bool,
 }
 
 /// A variable of the outer level.

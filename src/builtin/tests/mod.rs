@@ -49,7 +49,7 @@ fn every_entry_is_complete() {
             super::Kernel::Map1(_) => 1,
             super::Kernel::Map2(_) => 2,
             super::Kernel::Map3(_) => 3,
-            super::Kernel::Fold(_) | super::Kernel::Whole(_) => b.params.len(),
+            super::Kernel::Fold(_) | super::Kernel::Whole(_) | super::Kernel::Shadowed(_) => b.params.len(),
         };
         assert_eq!(b.params.len(), count, "{} has another number of parameters than its kernel", b.name);
     }

@@ -265,7 +265,8 @@ impl<'m, 'r> Builder<'m, 'r> {
 
     /// `condition ? a : b`.
     pub fn select(&mut self, condition: Cell, a: &Val, b: &Val) -> Result<Val, GiveUp> {
-        if a.shape != b.shape {
+        // A pixel decides for its shadows, which a plan knows nothing of.
+        if a.shape != b.shape || self.machine.shadowed() {
             return Err(GiveUp);
         }
         let cells = a.cells.iter().zip(&b.cells).map(|(&a, &b)| {

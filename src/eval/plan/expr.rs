@@ -114,6 +114,10 @@ impl<'r> Builder<'_, 'r> {
             (BinaryOp::Or, Some(x)) if x != 0.0 => return Ok(Val::number(1.0)),
             _ => {}
         }
+        // A pixel decides for its shadows, which a plan knows nothing of.
+        if self.machine.shadowed() {
+            return Err(GiveUp);
+        }
         let b = self.expr(b)?.as_scalar()?;
         let kernel: Zip = match op {
             BinaryOp::And => |isa, args, out| zip(isa, args, out, |[a, b]| truth((a != 0.0) & (b != 0.0))),

@@ -1,0 +1,157 @@
+//! Shadows, for derivatives: beside the lanes of a batch's pixels there are as many that run the program one column
+//! further, and as many one row further.
+//!
+//! A shadow begins with the input variables of the neighbour, and then follows its own pixel: what a condition says,
+//! which element an index picks, how long a range is, the pixel decides for its shadows. So masks and shapes are the
+//! same for all three, and `Du` is the shadow's value less the pixel's. (Perlin's system and RenderMan's took
+//! differences between neighbouring pixels that had run by themselves; where the two had gone different ways they told
+//! nothing.)
+
+use super::bind::{Bound, Source};
+use super::machine::{Machine, Slot};
+use super::pixels::Pixels;
+use crate::image::Image;
+use crate::shape::Shape;
+use crate::value::{Lanes, Plane, Value};
+use rayon::prelude::*;
+use smallvec::smallvec;
+use std::borrow::Cow;
+
+/// Lanes of a pixel that has shadows: itself, the next column's, the next row's.
+pub(super) const LANES: usize = 3;
+
+/// For each pixel, which of its neighbours are there and on the same surface.
+pub(super) struct Neighbours {
+    /// Bits [`AFTER`] and [`BEFORE`] of the row, then those of the column.
+    bits: Vec<u8>,
+    width: usize,
+}
+
+const AFTER: u8 = 1;
+const BEFORE: u8 = 2;
+/// The column's bits lie so much higher than the row's.
+const COLUMN: u8 = 2;
+
+impl Neighbours {
+    /// Looks at `surface`; where there is none, all pixels are of one.
+    pub fn of(image: &Image<'_>) -> Neighbours {
+        let (width, height) = (image.width, image.height);
+        let surface = image.variable("surface").filter(|s| s.shape == Shape::Scalar).map(|s| &s.planes[0]);
+        let mut bits = vec![0u8; width * height];
+        bits.par_chunks_mut(width.max(1)).enumerate().for_each(|(row, bits)| {
+            for (column, bits) in bits.iter_mut().enumerate() {
+                let here = row * width + column;
+                let same = |there: usize| surface.is_none_or(|s| s[here] == s[there]);
+                let look = |after: bool, before: bool, step: usize| {
+                    let after = if after && same(here + step) { AFTER } else { 0 };
+                    after | if before && same(here - step) { BEFORE } else { 0 }
+                };
+                let across = look(column + 1 < width, column > 0, 1);
+                *bits = across | look(row + 1 < height, row > 0, width) << COLUMN;
+            }
+        });
+        Neighbours { bits, width }
+    }
+
+    /// What a plane of the image holds for the shadow of a pixel: what the neighbour after it has, or what goes on from
+    /// the neighbour before it, or the pixel's own where neither counts.
+    #[inline]
+    fn shadow(&self, plane: &[f32], pixel: usize, along: Along) -> f32 {
+        let (bits, step) = match along {
+            Along::Row => (self.bits[pixel], 1),
+            Along::Column => (self.bits[pixel] >> COLUMN, self.width),
+        };
+        let here = plane[pixel];
+        if bits & AFTER != 0 && plane[pixel + step].is_finite() {
+            return plane[pixel + step];
+        }
+        if bits & BEFORE != 0 && plane[pixel - step].is_finite() {
+            return here + (here - plane[pixel - step]);
+        }
+        here
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Along {
+    Row,
+    Column,
+}
+
+impl Source<'_> {
+    /// The variable at the beginning of a batch with shadows.
+    pub fn shadowed_slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>) -> Slot {
+        let count = pixels.len();
+        let value = match self {
+            Source::Input(variable) => match &bound.neighbours {
+                Some(neighbours) => {
+                    let plane = |plane: &Cow<'_, [f32]>| {
+                        Plane::filled(LANES * count, |out| {
+                            let (own, rest) = out.split_at_mut(count);
+                            let (row, column) = rest.split_at_mut(count);
+                            for lane in 0..count {
+                                let pixel = pixels.at(lane);
+                                own[lane] = plane[pixel];
+                                row[lane] = neighbours.shadow(plane, pixel, Along::Row);
+                                column[lane] = neighbours.shadow(plane, pixel, Along::Column);
+                            }
+                        })
+                    };
+                    let planes = variable.planes.iter().map(plane).collect();
+                    Value { shape: variable.shape.clone(), planes }
+                }
+                None => return self.slot(pixels, bound),
+            },
+            Source::Position => {
+                let place = |axis: usize| {
+                    Plane::filled(LANES * count, |out| {
+                        for (lane, out) in out.iter_mut().enumerate() {
+                            let beside = lane / count == axis + 1;
+                            let position = bound.position(pixels.at(lane % count))[axis];
+                            *out = position as f32 + 0.5 + f32::from(u8::from(beside));
+                        }
+                    })
+                };
+                Value::vector(smallvec![place(0), place(1)])
+            }
+            // How the sizes of pixels change is not looked at.
+            Source::PixelSize(_) | Source::PixelFreq(_) => {
+                let own = self.slot(pixels, bound).value.unwrap_or(Value::uniform(0.0));
+                Value::scalar(decided(&own.planes[0], count, LANES * count))
+            }
+            Source::Nowhere | Source::Uniform(_) => return self.slot(pixels, bound),
+        };
+        Slot::full(value)
+    }
+}
+
+/// The plane with the pixels' own numbers in all `n` lanes.
+fn decided(plane: &Plane, pixels: usize, n: usize) -> Plane {
+    let Plane::Varying(lanes) = plane else { return plane.clone() };
+    Plane::Varying(Lanes::filled(n, |out| {
+        let own = lanes.get(pixels);
+        out.chunks_exact_mut(pixels).for_each(|out| out.copy_from_slice(own));
+    }))
+}
+
+impl Machine<'_> {
+    /// From now on each pixel has shadows.
+    pub fn cast_shadows(&mut self) {
+        self.lanes_a_pixel = LANES;
+    }
+
+    /// Have the pixels shadows?
+    pub fn shadowed(&self) -> bool {
+        self.lanes_a_pixel > 1
+    }
+
+    /// How many pixels the lanes are of. They come first.
+    pub fn pixels(&self) -> usize {
+        self.n / self.lanes_a_pixel
+    }
+
+    /// What the pixels have, for their shadows too.
+    pub fn decided_plane(&self, plane: &Plane) -> Plane {
+        if self.shadowed() { decided(plane, self.pixels(), self.n) } else { plane.clone() }
+    }
+}
