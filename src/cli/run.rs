@@ -103,6 +103,7 @@ fn compute(args: &RunArgs, plan: &Plan, loaded: &Loaded, frame: f32) -> Result<(
         no_optimize: args.no_optimize,
         profile: args.profile,
         limits: args.limits.limits(),
+        texture_memory: Some(args.limits.textures()),
         cancel: None,
         progress: Some(&progress),
         missing: Some(&missing),

@@ -107,8 +107,8 @@ impl<'r> Machine<'r> {
         self.arguments(args, mask, &mut values)?;
         let cells = values.iter().map(|v| v.planes.len()).sum();
         self.work(cells, values.iter().all(Value::is_uniform), mask, span)?;
-        let call =
-            builtin::Call { isa: self.isa, n: self.n, mask, args: &values, max_cells: self.limits.cells };
+        let (max_cells, textures) = (self.limits.cells, &self.bound.textures);
+        let call = builtin::Call { isa: self.isa, n: self.n, mask, args: &values, max_cells, textures };
         let value = builtin
             .apply(&call)
             .map_err(|fault| self.builtin_fault(builtin, fault, &values, args, span, mask))?;

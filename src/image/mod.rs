@@ -14,6 +14,7 @@ mod info;
 mod names;
 mod read_exr;
 mod read_raster;
+mod sequence;
 mod source;
 mod write;
 mod write_exr;
@@ -27,6 +28,7 @@ pub use bind::{Binding, Candidate, Mapping};
 pub use error::{ErrorKind, ImageError};
 pub use file::{Channel, File, ReadOptions, Samples, read};
 pub use info::{ChannelInfo, Info, PartInfo, info};
+pub use sequence::{fill, has_pattern};
 pub use source::Input;
 pub use write::{Compression, Format, WriteOptions, encode, write};
 

@@ -3,6 +3,7 @@
 use crate::builtin::Builtin;
 use crate::diagnostic::{Sources, Span};
 use crate::eval::HostFunction;
+use crate::texture;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -27,6 +28,8 @@ pub struct Resolved {
     pub by_normal: Option<Vec<Stmt>>,
     /// How many expressions are computed once a frame and kept.
     pub kept: usize,
+    /// The textures that calls name, each once, and where it is first named.
+    pub textures: Vec<(texture::Source, Span)>,
 }
 
 /// A variable of the outer level.
