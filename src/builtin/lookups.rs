@@ -198,9 +198,8 @@ pub static FUNCTIONS: &[Builtin] = &[
               memory. `\"nearest\"`, `\"bilinear\"` and `\"cubic\"` (a B-spline, a little soft) look at 1, 4 and 16 texels \
               of the image itself and know no width. \
               `wrap` is what lies beyond 0 … 1: the image again, black, its edge, or the image mirrored; `wrap_t` \
-              says it for t alone. \
-              [Look-ups](language.md#look-ups) tells where files are looked for (Peachey, *Texturing and Modeling*, \
-              chapter 2; Williams 1983; Crow 1984).",
+              says it for t alone. Files are looked for beside the program, then in the folders of `--path` (Peachey, \
+              *Texturing and Modeling*, chapter 2; Williams 1983; Crow 1984).",
         examples: &[
             ex("texture(\"earth.png\", 0.25, 0.5) - texture(\"earth.png\", [1.25 0.5])", "[0 0 0]"),
             ex("texture(\"earth.png\", 0.5, 2, wrap = \"black\")", "[0 0 0]"),

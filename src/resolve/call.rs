@@ -325,9 +325,10 @@ impl Resolver<'_> {
             (_, Some([])) => {
                 let error = error(format!("`{name}()` takes a string for `{}`", param.name));
                 let written = self.sources.text(value.span);
-                let error = match &*value.kind {
-                    ast::ExprKind::Name(_) => error.hint(format!("Write it in quotes: \"{written}\".")),
-                    _ => error,
+                let word = |c: char| c.is_alphanumeric() || "._".contains(c);
+                let error = match written.chars().all(word) {
+                    true => error.hint(format!("Write it in quotes: \"{written}\".")),
+                    false => error,
                 };
                 self.errors.push(error.hint(signature.usage()));
                 return None;

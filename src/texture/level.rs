@@ -68,7 +68,6 @@ impl Level {
         Some((y * w + x) as usize)
     }
 
-    #[inline]
     fn texel<const C: usize>(&self, x: i64, y: i64, edges: Edges) -> [f32; C] {
         match self.place(x, y, edges) {
             Some(i) => std::array::from_fn(|c| self.texels[i * C + c]),
@@ -88,6 +87,17 @@ impl Level {
     pub fn bilinear<const C: usize>(&self, s: f64, v: f64, edges: Edges) -> [f32; C] {
         let (x, fx) = whole_and_rest(s * self.width as f64 - 0.5);
         let (y, fy) = whole_and_rest(v * self.height as f64 - 0.5);
+        let (w, h) = (self.width as i64, self.height as i64);
+        if x >= 0 && y >= 0 && x < w - 1 && y < h - 1 {
+            // Nearly always all four are there, two and two in a row.
+            let side = if let Edges::Side(side) = edges { side } else { 0 };
+            let start = ((side as i64 * h + y) * w + x) as usize * C;
+            let row = |start: usize| {
+                let pair = &self.texels[start..start + 2 * C];
+                mix(std::array::from_fn::<_, C, _>(|c| pair[c]), std::array::from_fn(|c| pair[C + c]), fx)
+            };
+            return mix(row(start), row(start + self.width * C), fy);
+        }
         let row = |y| mix(self.texel(x, y, edges), self.texel(x + 1, y, edges), fx);
         mix(row(y), row(y + 1), fy)
     }
