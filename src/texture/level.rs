@@ -78,7 +78,7 @@ impl Level {
     /// The texel that holds a place.
     #[inline]
     pub fn nearest<const C: usize>(&self, s: f64, v: f64, edges: Edges) -> [f32; C] {
-        let at = |s: f64, n: usize| (s * n as f64).floor() as i64;
+        let at = |s: f64, n: usize| whole(s * n as f64);
         self.texel(at(s, self.width), at(v, self.height), edges)
     }
 
@@ -120,10 +120,18 @@ impl Level {
     }
 }
 
+/// The whole number at or below a number that is not too large for one. (Without the instruction for it `floor` is
+/// a call.)
+#[inline]
+pub(super) fn whole(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(towards_zero as f64 > x)
+}
+
 #[inline]
 fn whole_and_rest(x: f64) -> (i64, f32) {
-    let whole = x.floor();
-    (whole as i64, (x - whole) as f32)
+    let whole = whole(x);
+    (whole, (x - whole as f64) as f32)
 }
 
 /// The weights of four neighbours in a cubic B-spline.

@@ -1,6 +1,6 @@
 //! Looking a texture up: at a place, or in a direction, over a width.
 
-use super::level::{Edges, mix};
+use super::level::{Edges, mix, whole};
 use super::sphere;
 use super::{Layout, Texture, Wrap};
 use crate::math;
@@ -119,10 +119,14 @@ impl Texture {
 }
 
 /// The same place near the image. Where infinity leads nowhere it is NaN.
+#[inline]
 fn home(x: f64, wrap: Wrap) -> f64 {
+    // Larger numbers are even; infinity less itself is NaN, as NaN is.
+    const EVEN: f64 = (1_u64 << 60) as f64;
     match wrap {
-        Wrap::Periodic => x - x.floor(),
-        Wrap::Mirror => x - 2.0 * (0.5 * x).floor(),
+        Wrap::Periodic | Wrap::Mirror if x.abs() >= EVEN || x.is_nan() => x - x,
+        Wrap::Periodic => x - whole(x) as f64,
+        Wrap::Mirror => x - 2.0 * whole(0.5 * x) as f64,
         // Neither `min` nor `max` must make a number of NaN.
         Wrap::Black | Wrap::Clamp => x.clamp(-FAR, FAR),
     }

@@ -5,7 +5,7 @@
 //! held in f64: those of 2^27 texels still have the precision of a float left when they are subtracted.
 
 use super::Wrap;
-use super::level::{Edges, Level};
+use super::level::{Edges, Level, whole};
 use smallvec::SmallVec;
 
 /// For each corner of texels, the sum of all texels above and left of it.
@@ -106,19 +106,20 @@ fn reach(x: f64, n: usize, wrap: Wrap, sign: f64, corners: &mut Corners) {
         }
     };
     let mut inside = |x: f64, weight: f64| {
-        let whole = x.floor().clamp(0.0, end - 1.0);
-        add(whole as usize, weight * (1.0 - (x - whole)));
-        add(whole as usize + 1, weight * (x - whole));
+        let whole = whole(x).clamp(0, n as i64 - 1);
+        let rest = x - whole as f64;
+        add(whole as usize, weight * (1.0 - rest));
+        add(whole as usize + 1, weight * rest);
     };
     match wrap {
         Wrap::Black => inside(x.clamp(0.0, end), 1.0),
         Wrap::Periodic => {
-            let rounds = (x / end).floor();
+            let rounds = whole(x / end) as f64;
             inside(x - rounds * end, 1.0);
             add(n, rounds);
         }
         Wrap::Mirror => {
-            let rounds = (x / (2.0 * end)).floor();
+            let rounds = whole(x / (2.0 * end)) as f64;
             let x = x - rounds * 2.0 * end;
             if x <= end {
                 inside(x, 1.0);
