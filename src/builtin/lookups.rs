@@ -163,7 +163,8 @@ fn texture(call: &Call<'_>) -> Result<Value, Fault> {
     }
     each([&call.args[1]], &mut |[place]| match place.shape {
         Shape::Vector(2) => Ok(at(&place.planes[0], &place.planes[1])),
-        _ => Err(Fault::of(1, format!("texture takes s and t, or a vector of both, found {}", place.shape))),
+        _ => Err(Fault::of(1, format!("texture takes s and t, or a vector of both, found {}", place.shape))
+            .hint("`uv` is such a vector. By a direction, `environment()` looks images up.")),
     })
 }
 

@@ -167,7 +167,7 @@ fn directions_meet_at_seams_poles_and_edges() {
             }
         }
         // Over the poles. (A mip map's probes go along the row, so only narrow ones meet.)
-        close(&round, Filter::Bilinear, [e, 1.0, 0.0], [e, 1.0, e * 1e-2], 0.0);
+        close(&round, Filter::Bilinear, [e * p, 1.0, e * q], [-e * p, 1.0, -e * q], 0.0);
         close(&round, Filter::Sums, [e * p, -1.0, e * q], [-e * p, -1.0, -e * q], 0.0);
         // Where two sides of the cube meet.
         close(&cube, Filter::Bilinear, [1.0 + e, q, 1.0], [1.0 - e, q, 1.0], 0.0);
@@ -270,4 +270,23 @@ fn a_long_footprint_is_not_blurred_across() {
         let found = at(&stripes, look(filter, Wrap::Periodic), [0.5, 6.0 / 64.0], [0.01, 0.5]);
         assert!((found - 0.5).abs() < 0.1, "{filter:?}: {found}");
     }
+}
+
+#[test]
+fn an_image_is_read_once_and_counted_each_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    crate::image::write(&path, &image(8, 4, |x, _| x as f32), &Default::default()).unwrap();
+    let mut source =
+        Source::new("a.exr", Origin::File(crate::image::Input::Path(path.clone())), None, false, Layout::Plane);
+    source.needs = ALL;
+    let mut left = 10_000;
+    let first = source.load(1.0, &mut left).unwrap();
+    let taken = 10_000 - left;
+    assert_eq!(taken, 4 * (32 + 10) + 8 * 45);
+    std::fs::remove_file(path).unwrap();
+    let again = source.load(2.0, &mut left).unwrap();
+    assert!(std::sync::Arc::ptr_eq(&first, &again));
+    assert_eq!(left, 10_000 - 2 * taken);
+    assert!(source.load(3.0, &mut (taken - 1)).is_err());
 }
