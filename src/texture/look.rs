@@ -121,10 +121,10 @@ impl Texture {
 /// The same place near the image. Where infinity leads nowhere it is NaN.
 #[inline]
 fn home(x: f64, wrap: Wrap) -> f64 {
-    // Larger numbers are even; infinity less itself is NaN, as NaN is.
+    // Larger numbers are even; no part of infinity is a number.
     const EVEN: f64 = (1_u64 << 60) as f64;
     match wrap {
-        Wrap::Periodic | Wrap::Mirror if x.abs() >= EVEN || x.is_nan() => x - x,
+        Wrap::Periodic | Wrap::Mirror if x.abs() >= EVEN || x.is_nan() => 0.0 * x,
         Wrap::Periodic => x - whole(x) as f64,
         Wrap::Mirror => x - 2.0 * whole(0.5 * x) as f64,
         // Neither `min` nor `max` must make a number of NaN.

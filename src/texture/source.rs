@@ -1,6 +1,7 @@
 //! Where a texture comes from, and which of its channels are wanted; read when a run needs it, and kept.
 
 use super::level::Level;
+use super::sphere::Seat;
 use super::wanted::{Known, Wanted, known, wanted, wanted_of};
 use super::{Layout, Needs, Texture, bytes, sphere};
 use crate::image::{
@@ -65,19 +66,23 @@ impl Source {
         origin && self.channel == other.channel && self.raw == other.raw && self.layout == other.layout
     }
 
-    /// The file, if it is one by itself.
+    /// Its file in a frame, if it is a file on disk.
+    ///
+    /// # Errors
+    /// If the name has a place for the frame's number and that is not whole.
     pub fn path(&self, frame: f32) -> Result<Option<PathBuf>, ImageError> {
         let Origin::File(Input::Path(path)) = &self.origin else { return Ok(None) };
-        let shown = path.to_string_lossy();
+        let name = path.file_name().map_or(Cow::default(), |name| name.to_string_lossy());
         // A file may well be called so.
-        if !has_pattern(&shown) || path.exists() {
+        if !has_pattern(&name) || path.exists() {
             return Ok(Some(path.clone()));
         }
         if frame.fract() != 0.0 || !frame.is_finite() {
-            let message = format!("`{shown}` has no place for frame {frame}, only for whole numbers");
+            let message =
+                format!("`{}` has no place for frame {frame}, only for whole numbers", path.display());
             return Err(ImageError::new(ErrorKind::Missing, message));
         }
-        Ok(Some(fill(&shown, frame as i64).into()))
+        Ok(Some(path.with_file_name(fill(&name, frame as i64))))
     }
 
     /// Looks whether it can be read, as far as the header tells. A sequence is looked at in its frame.
@@ -216,7 +221,7 @@ impl Source {
         }
         let level = match sphere::sides(w, h).filter(|_| self.layout == Layout::Cube) {
             Some((n, sides)) => {
-                for (column, row, turned) in sides {
+                for Seat { column, row, turned } in sides {
                     for (y, x) in (0..n).flat_map(|y| (0..n).map(move |x| (y, x))) {
                         let (x, y) = if turned { (n - 1 - x, n - 1 - y) } else { (x, y) };
                         put(column * n + x, row * n + y, &mut texels);

@@ -51,10 +51,21 @@ pub(super) fn on_side(side: usize, s: f64, v: f64) -> [f64; 3] {
     }
 }
 
-/// Where the sides stand in the image of a cube: column and row of each, counted in sides, and whether it stands on
-/// its head. The sides of a size, or `None` if an image of these columns and rows is none.
-pub(super) fn sides(width: usize, height: usize) -> Option<(usize, [(usize, usize, bool); 6])> {
-    let upright = |list: [(usize, usize); 6]| list.map(|(x, y)| (x, y, false));
+/// Where a side stands in the image of a cube.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seat {
+    /// Counted in sides.
+    pub column: usize,
+    /// Counted in sides.
+    pub row: usize,
+    /// Does it stand on its head?
+    pub turned: bool,
+}
+
+/// How many texels a side of a cube has along each edge, and where the sides stand in an image of so many columns and
+/// rows; `None` if that is no image of a cube.
+pub(super) fn sides(width: usize, height: usize) -> Option<(usize, [Seat; 6])> {
+    let upright = |list: [(usize, usize); 6]| list.map(|(column, row)| Seat { column, row, turned: false });
     let fits =
         |columns: usize, rows: usize| width * rows == height * columns && width.is_multiple_of(columns);
     if fits(6, 1) {
@@ -67,7 +78,7 @@ pub(super) fn sides(width: usize, height: usize) -> Option<(usize, [(usize, usiz
         Some((width / 4, upright([(2, 1), (0, 1), (1, 0), (1, 2), (1, 1), (3, 1)])))
     } else if fits(3, 4) {
         let mut list = upright([(2, 1), (0, 1), (1, 0), (1, 2), (1, 1), (1, 3)]);
-        list[5].2 = true;
+        list[5].turned = true;
         Some((width / 3, list))
     } else {
         None

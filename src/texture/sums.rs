@@ -77,8 +77,8 @@ impl Sums {
             let mut row = [0.0; C];
             for (x, wx) in along {
                 let at = (y * (self.width + 1) + x) * C;
-                for c in 0..C {
-                    row[c] += wx * self.sums[at + c];
+                for (row, sum) in row.iter_mut().zip(&self.sums[at..at + C]) {
+                    *row += wx * sum;
                 }
             }
             for c in 0..C {

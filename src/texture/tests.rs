@@ -209,10 +209,10 @@ fn all_arrangements_of_a_cube_are_the_same_cube() {
         let (size, sides) = sphere::sides(columns * n, rows * n).unwrap();
         assert_eq!(size, n);
         let image = image(columns * n, rows * n, |x, y| {
-            let side = sides.iter().position(|&(c, r, _)| (c, r) == (x / n, y / n));
+            let side = sides.iter().position(|seat| (seat.column, seat.row) == (x / n, y / n));
             let Some(side) = side else { return 0.0 };
             let (x, y) = (x % n, y % n);
-            if sides[side].2 { texel(side, n - 1 - x, n - 1 - y) } else { texel(side, x, y) }
+            if sides[side].turned { texel(side, n - 1 - x, n - 1 - y) } else { texel(side, x, y) }
         });
         from_image(image, Layout::Cube, Needs { levels: true, sums: false })
     };
@@ -277,8 +277,13 @@ fn an_image_is_read_once_and_counted_each_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     crate::image::write(&path, &image(8, 4, |x, _| x as f32), &Default::default()).unwrap();
-    let mut source =
-        Source::new("a.exr", Origin::File(crate::image::Input::Path(path.clone())), None, false, Layout::Plane);
+    let mut source = Source::new(
+        "a.exr",
+        Origin::File(crate::image::Input::Path(path.clone())),
+        None,
+        false,
+        Layout::Plane,
+    );
     source.needs = ALL;
     let mut left = 10_000;
     let first = source.load(1.0, &mut left).unwrap();
