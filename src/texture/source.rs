@@ -85,7 +85,7 @@ impl Source {
         Ok(Some(path.with_file_name(fill(&name, frame as i64))))
     }
 
-    /// Looks whether it can be read, as far as the header tells. A sequence is looked at in its frame.
+    /// Looks whether it can be read, as far as the header tells. Of a sequence that is frame 0, if there is one.
     ///
     /// # Errors
     /// If the file cannot be read, or does not have what is wanted.
