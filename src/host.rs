@@ -1,9 +1,37 @@
-//! Where imported programs come from: the disk for the command, memory for tests and embedders.
+//! Where imported programs and textures come from: the disk for the command, memory for tests and embedders.
 
+use crate::image::{Input, has_pattern};
+use crate::texture::Origin;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
-/// Finds the files that `import` names.
+/// Finds the files that `import` names, and the images that `texture` and its like name.
+///
+/// ```
+/// use pse::texture::Origin;
+/// use pse::{Compiler, Host, Image, RunOptions, Shape, Variable};
+/// use std::sync::Arc;
+///
+/// /// One image in memory.
+/// struct Ramp(Arc<Image<'static>>);
+///
+/// impl Host for Ramp {
+///     fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
+///         Err("this program can import no files".into())
+///     }
+///
+///     fn image(&self, _: &str, name: &str) -> Result<Origin, String> {
+///         if name == "ramp" { Ok(Origin::Image(self.0.clone())) } else { Err("there is only `ramp`".into()) }
+///     }
+/// }
+///
+/// let grey = Variable::new("grey", Shape::Scalar, [vec![0.0, 1.0]])?;
+/// let host = Ramp(Arc::new(Image::new(2, 1, [grey])?));
+/// let program = Compiler::new().host(&host).compile("program", "a = texture(\"ramp\", 0.5, 0.5)")?;
+/// let values = program.eval_pixel(&[], &RunOptions::default())?;
+/// assert_eq!(values, [("a".to_string(), 0.5.into())]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Host: Send + Sync {
     /// The text of the file that `path` names in a program called `importing`, and the name under which
     /// messages show it. `Err` says where it was looked for, as a sentence.
@@ -11,6 +39,24 @@ pub trait Host: Send + Sync {
 
     /// Where imports are looked for, as a sentence, for who misses one.
     fn hint(&self) -> Option<String> {
+        None
+    }
+
+    /// The image that `name` means in a program called `program`. `Err` says where it was looked for, as a
+    /// sentence.
+    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+        let _ = (program, name);
+        Err("this program can read no images".into())
+    }
+
+    /// Names of images that such a program could read instead of `name`, for who has misspelt one.
+    fn images(&self, program: &str, name: &str) -> Vec<String> {
+        let _ = (program, name);
+        Vec::new()
+    }
+
+    /// Where images are looked for, as a sentence, for who misses one.
+    fn image_hint(&self) -> Option<String> {
         None
     }
 }
@@ -44,11 +90,63 @@ impl Host for Memory {
     }
 }
 
-/// Files on disk: beside the importing file, then in the given folders.
+/// Files on disk: beside the program that names them, then in the given folders. Images lie nowhere else.
 #[derive(Clone, Debug, Default)]
 pub struct Disk {
     /// Folders to search after the importing file's own.
     pub path: Vec<PathBuf>,
+}
+
+impl Disk {
+    /// The folders that a program's images lie in.
+    fn roots(&self, program: &str) -> Vec<PathBuf> {
+        let beside = Path::new(program).parent().unwrap_or(Path::new(""));
+        std::iter::once(beside).chain(self.path.iter().map(PathBuf::as_path)).map(Path::to_path_buf).collect()
+    }
+}
+
+/// The path without `.` and, as far as folders stand before them, without `..`. Links are not followed: they were
+/// made by who may read more than a program.
+fn clean(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
+                out.pop();
+            }
+            part => out.push(part),
+        }
+    }
+    out
+}
+
+/// The same from the root of the disk.
+fn absolute(path: &Path) -> PathBuf {
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    clean(&std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()))
+}
+
+/// Is there such a file, or for a name with a place for the frame's number one for some frame?
+fn exists(path: &Path) -> bool {
+    let pattern = path.file_name().map(|n| n.to_string_lossy().into_owned()).filter(|n| has_pattern(n));
+    let Some(pattern) = pattern.filter(|_| !path.exists()) else { return path.exists() };
+    let marks = |c: char| "#@%".contains(c);
+    let (head, _) = pattern.split_once(marks).unwrap_or_default();
+    let (_, tail) = pattern.rsplit_once(['#', '@', 'd']).unwrap_or_default();
+    names_in(path.parent().unwrap_or(Path::new("")))
+        .iter()
+        .any(|n| n.len() > head.len() + tail.len() && n.starts_with(head) && n.ends_with(tail))
+}
+
+/// The files of a folder, sorted.
+fn names_in(folder: &Path) -> Vec<String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> =
+        entries.filter_map(|entry| Some(entry.file_name().to_str()?.to_string())).collect();
+    names.sort_unstable();
+    names
 }
 
 impl Host for Disk {
@@ -69,6 +167,45 @@ impl Host for Disk {
     fn hint(&self) -> Option<String> {
         let more =
             "An import is looked for beside the file that imports it, then in the folders of `--path`.";
+        Some(more.into())
+    }
+    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+        let roots = self.roots(program);
+        let allowed: Vec<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
+        let mut tried = Vec::new();
+        for root in &roots {
+            let path = clean(&root.join(name));
+            let whole = absolute(&path);
+            if !allowed.iter().any(|root| whole.starts_with(root)) || tried.contains(&path) {
+                continue;
+            }
+            if exists(&path) {
+                return Ok(Origin::File(Input::Path(path)));
+            }
+            tried.push(path);
+        }
+        if tried.is_empty() {
+            return Err("outside of the folders that this program may read".into());
+        }
+        let tried: Vec<String> = tried.iter().map(|path| path.display().to_string()).collect();
+        Err(format!("there is no {}", tried.join(" and no ")))
+    }
+
+    fn images(&self, program: &str, name: &str) -> Vec<String> {
+        const ENDINGS: [&str; 10] = ["exr", "png", "jpg", "jpeg", "tif", "tiff", "hdr", "bmp", "tga", "webp"];
+        let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+        let image =
+            |n: &String| n.rsplit_once('.').is_some_and(|(_, e)| ENDINGS.contains(&&*e.to_lowercase()));
+        let roots = self.roots(program);
+        let allowed: Vec<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
+        let folders = roots.iter().map(|root| clean(&root.join(folder)));
+        let mine = folders.filter(|f| allowed.iter().any(|root| absolute(f).starts_with(root)));
+        mine.flat_map(|f| names_in(&f)).filter(image).map(|n| folder.join(n).display().to_string()).collect()
+    }
+
+    fn image_hint(&self) -> Option<String> {
+        let more =
+            "A program reads images beside it and below, then in the folders of `--path`, and no others.";
         Some(more.into())
     }
 }

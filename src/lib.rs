@@ -18,6 +18,7 @@ pub mod resolve;
 pub mod scene;
 pub mod shape;
 pub mod syntax;
+pub mod texture;
 pub mod value;
 
 pub use crate::diagnostic::{Diagnostic, Style};

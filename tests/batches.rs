@@ -4,7 +4,9 @@
 
 use proptest::prelude::*;
 use pse::lanes::Isa;
-use pse::{Image, Limits, PixelValue, Program, RunOptions, Shape, Variable};
+use pse::texture::Origin;
+use pse::{Compiler, Host, Image, Limits, PixelValue, Program, RunOptions, Shape, Variable};
+use std::sync::Arc;
 
 /// Writes a program from a stream of choices; when the stream ends it writes the simplest thing.
 struct Writer<'a> {
@@ -42,7 +44,7 @@ impl Writer<'_> {
             };
         }
         let d = depth - 1;
-        match self.pick(22) {
+        match self.pick(25) {
             0 => format!("({} + {})", self.scalar(d), self.scalar(d)),
             1 => format!("({} - {})", self.scalar(d), self.scalar(d)),
             2 => format!("({} * {})", self.scalar(d), self.scalar(d)),
@@ -64,6 +66,19 @@ impl Writer<'_> {
             18 => format!("Noise({}, seed = {})", self.vector(d), self.scalar(d)),
             19 => format!("seeds({})", self.scalar(d)),
             20 => format!("fBm({}, octaves = 2.5, high = 100)", self.vector(d)),
+            21 => format!("texture(\"map\", {}, x, width = {})", self.scalar(d), self.scalar(0)),
+            22 => {
+                let filter = ["sat", "cubic", "nearest"][usize::from(self.pick(3))];
+                let (s, t, width) = (self.scalar(d), self.scalar(0), self.scalar(0));
+                format!(
+                    "texture(\"map\", {s}, {t}, width = [{width} 0.2], filter = \"{filter}\", wrap = \"mirror\")"
+                )
+            }
+            23 => format!(
+                "(environment(\"map\", p, width = {}) + table([y x 3], {}))",
+                self.scalar(0),
+                self.scalar(d)
+            ),
             _ => format!("early({}, {})", self.vector(d), self.scalar(d)),
         }
     }
@@ -210,13 +225,34 @@ fn outcome(program: &Program, image: &Image<'_>, options: &RunOptions<'_>) -> Re
     }
 }
 
+/// One small image in memory, called `map`.
+struct Map(Arc<Image<'static>>);
+
+impl Map {
+    fn new() -> Map {
+        let plane: Vec<f32> = (0..13 * 7).map(|i| (i * i % 17) as f32 / 16.0).collect();
+        Map(Arc::new(Image::new(13, 7, [Variable::new("grey", Shape::Scalar, [plane]).unwrap()]).unwrap()))
+    }
+}
+
+impl Host for Map {
+    fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
+        Err("there are no files".into())
+    }
+
+    fn image(&self, _: &str, name: &str) -> Result<Origin, String> {
+        if name == "map" { Ok(Origin::Image(self.0.clone())) } else { Err("there is only `map`".into()) }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
 
     #[test]
     fn batches_threads_and_instruction_sets_agree(choices in prop::collection::vec(any::<u8>(), 0..160)) {
         let text = program(&choices);
-        let program = Program::compile(&text).unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let program = Compiler::new().host(&Map::new()).compile("program", &text);
+        let program = program.unwrap_or_else(|e| panic!("{text}\n{e}"));
         let image = image();
         let alone = RunOptions { batch: Some(1), threads: Some(1), isa: Some(Isa::baseline()), ..RunOptions::default() };
         let expected = outcome(&program, &image, &alone);

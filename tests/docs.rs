@@ -6,8 +6,9 @@
 //! - A block whose first line is `# name.pse` can be imported by the others of its file.
 //! - A block marked `rust` in docs/tutorial.md is a part of examples/embed.rs, line for line.
 
-use pse::host::Memory;
-use pse::{Compiler, Error, Image, PixelValue, Program, RunOptions, Shape, Variable, scene};
+use pse::host::{Disk, Memory};
+use pse::texture::Origin;
+use pse::{Compiler, Error, Host, Image, PixelValue, Program, RunOptions, Shape, Variable, scene};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -93,7 +94,26 @@ fn column_and_row(image: &Image<'_>) -> (usize, usize) {
     (column, row - 1)
 }
 
-fn compile(block: &Block, files: &Memory) -> Result<Program, Error> {
+/// The files of a document, and the images of `examples/`.
+struct Files(Memory);
+
+impl Files {
+    fn images() -> Disk {
+        Disk { path: vec![root().join("examples")] }
+    }
+}
+
+impl Host for Files {
+    fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
+        self.0.import(importing, path)
+    }
+
+    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+        Files::images().image(program, name)
+    }
+}
+
+fn compile(block: &Block, files: &Files) -> Result<Program, Error> {
     Compiler::new().host(files).compile(&block.place, &block.text)
 }
 
@@ -141,7 +161,7 @@ fn programs_in_the_documentation_do_what_it_says() {
     for path in documents() {
         let blocks = blocks(&path);
         let named = blocks.iter().filter_map(|b| Some((file_name(b)?.to_string(), b.text.clone())));
-        let files = Memory(named.collect::<HashMap<_, _>>());
+        let files = Files(Memory(named.collect::<HashMap<_, _>>()));
         for block in &blocks {
             match block.mark.as_str() {
                 "pse" => {

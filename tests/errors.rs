@@ -5,6 +5,7 @@
 
 use pse::diagnostic::{Sources, Style};
 use pse::host::{Disk, Host};
+use pse::texture::Origin;
 use pse::{Compiler, Error, HostFunction, Image, Program, RunOptions, Shape, Variable, syntax};
 use std::path::Path;
 
@@ -44,8 +45,14 @@ fn parse() {
     messages("parse", parse_errors);
 }
 
-/// Where the programs' imports are found: `errors/imports`, then as the command finds them.
+/// Where the programs' imports are found: `errors/imports`, then as the command finds them. Images are those of
+/// `errors/images`.
 struct Files;
+
+fn images() -> Disk {
+    // The tests run in the package's folder.
+    Disk { path: vec!["tests/errors/images".into()] }
+}
 
 impl Host for Files {
     fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
@@ -58,6 +65,18 @@ impl Host for Files {
 
     fn hint(&self) -> Option<String> {
         Disk::default().hint()
+    }
+
+    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+        images().image(program, name)
+    }
+
+    fn images(&self, program: &str, name: &str) -> Vec<String> {
+        images().images(program, name)
+    }
+
+    fn image_hint(&self) -> Option<String> {
+        images().image_hint()
     }
 }
 
@@ -105,7 +124,14 @@ fn run(name: &str, text: &str) -> Result<(), Error> {
         (name.to_string(), value.parse::<f32>().expect("a number").into())
     });
     let outputs = directive(text, "outputs").map(|names| names.split(' ').map(String::from).collect());
-    let options = RunOptions { set: set.into_iter().collect(), outputs, ..RunOptions::default() };
+    let number = |word| directive(text, word).map(|n| n.parse::<usize>().expect("a number"));
+    let options = RunOptions {
+        set: set.into_iter().collect(),
+        outputs,
+        frame: number("frame").unwrap_or(0) as f32,
+        texture_memory: number("texture_memory"),
+        ..RunOptions::default()
+    };
     program.run(&image(text), &options).map(drop)
 }
 

@@ -1,7 +1,8 @@
 //! Runs `tests/programs/*.pse`. A comment `#= value` behind an assignment says what its variable holds in the
 //! end, as an expression of the language; it is compared to within a millionth.
 
-use pse::{PixelValue, Program, RunOptions};
+use pse::host::Disk;
+use pse::{Compiler, PixelValue, Program, RunOptions};
 use std::path::Path;
 
 /// What the one pixel of these programs has.
@@ -34,9 +35,13 @@ fn programs_give_what_their_comments_say() {
     let mut failures = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
+        if path.extension().is_none_or(|e| e != "pse") {
+            continue;
+        }
         let name = path.file_name().unwrap().to_string_lossy().to_string();
         let text = std::fs::read_to_string(&path).unwrap();
-        let program = Program::compile(&text).unwrap_or_else(|e| panic!("{name}\n{e}"));
+        let compiler = Compiler::new().host(&Disk::default()).compile(&path.to_string_lossy(), &text);
+        let program = compiler.unwrap_or_else(|e| panic!("{name}\n{e}"));
         let values =
             program.eval_pixel(&inputs(), &RunOptions::default()).unwrap_or_else(|e| panic!("{name}\n{e}"));
         for (number, line) in text.lines().enumerate() {

@@ -3,8 +3,15 @@
 //! After a change of a function's documentation, rewrite the file with `UPDATE=1 cargo test --test reference`.
 
 use pse::builtin::reference::Entry;
+use pse::host::Disk;
 use pse::lanes::Isa;
-use pse::{Image, PixelValue, Program, RunOptions, Shape, Variable};
+use pse::{Compiler, Error, Image, PixelValue, Program, RunOptions, Shape, Variable};
+
+/// Compiles an example; its images are those of `examples/`.
+fn compile(text: &str) -> Result<Program, Error> {
+    let host = Disk { path: vec![concat!(env!("CARGO_MANIFEST_DIR"), "/examples").into()] };
+    Compiler::new().host(&host).compile("example", text)
+}
 
 fn alike(a: &PixelValue, b: &PixelValue) -> bool {
     let near = |(a, b): (&f32, &f32)| {
@@ -20,7 +27,7 @@ fn every_example_is_right() {
         assert!(!entry.examples.is_empty(), "{} has no example", entry.name);
         for (code, gives) in &entry.examples {
             let text = format!("found = {code}\nwanted = {gives}\n");
-            let program = Program::compile(&text).unwrap_or_else(|e| panic!("{}\n{e}", entry.name));
+            let program = compile(&text).unwrap_or_else(|e| panic!("{}\n{e}", entry.name));
             let values = program.eval_pixel(&[], &RunOptions::default());
             let values = values.unwrap_or_else(|e| panic!("{}\n{e}", entry.name));
             let [(_, found), (_, wanted)] = &values[..] else { panic!("{code}: {values:?}") };
@@ -94,7 +101,7 @@ fn a_pixel_does_not_depend_on_its_batch() {
         let mut ran = false;
         for (code, _) in &examples {
             let (text, numbers) = numbers_as_variables(code);
-            let program = Program::compile(&format!("value = {text}")).unwrap_or_else(|e| panic!("{e}"));
+            let program = compile(&format!("value = {text}")).unwrap_or_else(|e| panic!("{e}"));
             for uniform in [0usize, 0x5555, 0xaaaa, 0xfffe, 1] {
                 let vary = |x: f32, lane: usize| x + x * 1e-4 * lane as f32;
                 let mut set = Vec::new();

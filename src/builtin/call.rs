@@ -2,8 +2,10 @@
 
 use super::Lanes2;
 use crate::lanes::{Arg, Isa};
+use crate::texture::Texture;
 use crate::value::{Lanes, Mask, Plane, Planes, Value};
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// A call of a built-in function, for a batch of lanes.
 pub struct Call<'a> {
@@ -22,6 +24,8 @@ pub struct Call<'a> {
     pub args: &'a [Value],
     /// How many cells a value may have.
     pub max_cells: usize,
+    /// The program's textures, by the numbers that strings have become.
+    pub textures: &'a [Arc<Texture>],
 }
 
 /// Why a kernel could not compute its value.

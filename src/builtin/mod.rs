@@ -10,6 +10,7 @@ mod call;
 mod color;
 mod derivatives;
 mod lists;
+mod lookups;
 mod matrices;
 mod noise;
 mod noise_kind;
@@ -17,6 +18,7 @@ mod noise_sums;
 pub mod reference;
 mod shaping;
 mod splines;
+mod table;
 #[cfg(test)]
 mod tests;
 mod trigonometry;
@@ -24,6 +26,7 @@ mod vectors;
 
 pub use arithmetic::{max, min};
 pub use call::{Call, Fault, map2};
+pub use lookups::Asked;
 pub use noise::noise_fields;
 pub use noise_sums::Octaves;
 pub use splines::Curve;
@@ -72,6 +75,8 @@ pub enum ParamKind {
     Rest(usize),
     /// A string, one of these. The kernel gets its index as a uniform scalar.
     Choice(&'static [&'static str]),
+    /// A string that names something: a file, a channel. The kernel gets a number that the resolver gives it.
+    Text,
 }
 
 /// An expression, and an expression with the same value.
@@ -129,6 +134,7 @@ pub static GROUPS: &[Group] = &[
     Group { title: "Shaping", functions: shaping::FUNCTIONS },
     Group { title: "Derivatives", functions: derivatives::FUNCTIONS },
     Group { title: "Splines", functions: splines::FUNCTIONS },
+    Group { title: "Look-ups", functions: lookups::FUNCTIONS },
     Group { title: "Colour", functions: color::FUNCTIONS },
     Group { title: "Noise", functions: noise::FUNCTIONS },
     Group { title: "Sums of noise", functions: noise_sums::FUNCTIONS },
@@ -167,6 +173,16 @@ impl Param {
     pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Param {
         Param { name, default: None, kind: ParamKind::Choice(of), minor: false }
     }
+
+    /// A string that names something and must be given.
+    pub const fn text(name: &'static str) -> Param {
+        Param { name, default: None, kind: ParamKind::Text, minor: false }
+    }
+
+    /// A string that names something, or `""` for the usual thing.
+    pub const fn text_or(name: &'static str) -> Param {
+        Param { name, default: Some("\"\""), kind: ParamKind::Text, minor: false }
+    }
 }
 
 impl Param {
@@ -188,8 +204,8 @@ impl Builtin {
     /// How much there is to compute, for a lane: 1 is about an operator on scalars.
     pub fn work(&self) -> u32 {
         match self.kernel {
-            // The kinds of noise are what the minor parameters are for.
-            Kernel::Whole(_) if self.params.iter().any(|p| p.minor) => 32,
+            // The kinds of noise are what the minor parameters are for, and images what strings name.
+            Kernel::Whole(_) if self.params.iter().any(|p| p.minor || p.kind == ParamKind::Text) => 32,
             Kernel::Whole(_) | Kernel::Shadowed(_) => 6,
             _ => 3,
         }
@@ -205,8 +221,8 @@ impl Builtin {
             .map(|p| match (p.kind, p.default) {
                 (ParamKind::Rest(_), _) => format!("{}, …", p.name),
                 (ParamKind::Choice(of), _) => format!("{} = \"{}\"", p.name, of[0]),
-                (ParamKind::Value, Some(default)) => format!("{} = {default}", p.name),
-                (ParamKind::Value, None) => p.name.to_string(),
+                (ParamKind::Value | ParamKind::Text, Some(default)) => format!("{} = {default}", p.name),
+                (ParamKind::Value | ParamKind::Text, None) => p.name.to_string(),
             })
             .chain(minor)
             .collect();

@@ -29,7 +29,7 @@ pub(super) struct CheckArgs {
     /// Read a variable from other channels than the names suggest
     #[arg(long, value_name = "NAME=CHANNELS", requires = "input")]
     map: Vec<MapArg>,
-    /// Look for imported files in this folder too
+    /// Look for imported files and for textures in this folder too
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
     /// Say so if all is well

@@ -85,6 +85,7 @@ fn compute(
         no_optimize: args.no_optimize,
         profile: args.profile,
         limits: args.limits.limits(),
+        texture_memory: Some(args.limits.textures()),
         cancel: None,
         progress: Some(&progress),
         missing: Some(&missing),

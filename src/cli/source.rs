@@ -16,7 +16,7 @@ pub(super) struct ProgramArgs {
     /// A line of the program instead of a file; repeat it for more lines
     #[arg(short = 'e', long = "expression", value_name = "LINE", allow_hyphen_values = true)]
     pub lines: Vec<String>,
-    /// Look for imported files in this folder too
+    /// Look for imported files and for textures in this folder too
     #[arg(long, value_name = "DIR")]
     pub path: Vec<PathBuf>,
 }

@@ -4,12 +4,13 @@ use super::fault::Fault;
 use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use super::pixelsize;
-use super::run::{Failure, Options};
+use super::run::{Failure, Options, TEXTURE_MEMORY};
 use super::shadow::Neighbours;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
-use crate::resolve::names;
 use crate::resolve::tree::*;
+use crate::resolve::{names, unreadable};
+use crate::texture::Texture;
 use crate::value::{Mask, PixelValue, Value};
 use smallvec::smallvec;
 use std::sync::Arc;
@@ -43,6 +44,8 @@ pub(super) struct Bound<'r> {
     origin: [i32; 2],
     has: Vec<String>,
     missing: Option<&'r Missing<'r>>,
+    /// As [`Resolved::textures`].
+    pub textures: Vec<Arc<Texture>>,
 }
 
 impl Source<'_> {
@@ -117,6 +120,7 @@ pub(super) fn bind<'r>(
         origin: image.metadata.origin,
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
         missing: options.missing,
+        textures: textures(program, options)?,
     };
     check_set(program, options)?;
     let values = frame_values(program, image, options, &bound)?;
@@ -154,6 +158,19 @@ pub(super) fn bind<'r>(
     }
     let errors = missing_inputs(program, &bound);
     if errors.is_empty() { Ok(bound) } else { Err(Failure::Program(errors)) }
+}
+
+/// The textures of this frame, read or kept.
+fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture>>, Failure> {
+    let mut left = options.texture_memory.unwrap_or(TEXTURE_MEMORY) as u64;
+    let (mut textures, mut errors) = (Vec::new(), Vec::new());
+    for (source, span) in &program.textures {
+        match source.load(options.frame, &mut left) {
+            Ok(texture) => textures.push(texture),
+            Err(error) => errors.push(unreadable(error, *span)),
+        }
+    }
+    if errors.is_empty() { Ok(textures) } else { Err(Failure::Program(errors)) }
 }
 
 fn constant_value(constant: &names::Constant) -> PixelValue {
@@ -233,6 +250,7 @@ fn frame_values(
         origin: [0, 0],
         has: bound.has.clone(),
         missing: bound.missing,
+        textures: bound.textures.clone(),
     };
     let mut machine = Machine::new(program, &frame, options.isa(), options.limits, options.cancel);
     let mut run = || -> Result<(), Fault> {

@@ -114,6 +114,7 @@ impl<'r> Machine<'r> {
             mask,
             args: &values,
             max_cells: self.limits.cells,
+            textures: &self.bound.textures,
         };
         let value = builtin
             .apply(&call)

@@ -29,7 +29,7 @@ pub use bind::Missing;
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
 pub use profile::{Profile, Spent};
-pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, eval_pixel, run};
+pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, eval_pixel, run};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
 /// spread the cost of a tree's walk, small enough that the planes of a program stay in the cache.

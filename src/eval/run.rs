@@ -25,6 +25,9 @@ const CHUNK: usize = 4 * super::BATCH;
 /// More threads than this are not started, whatever is asked for: they would only wait for each other.
 pub const MAX_THREADS: usize = 256;
 
+/// Bytes that textures may take, where nothing else is said: a gibibyte.
+pub const TEXTURE_MEMORY: usize = 1 << 30;
+
 /// Components of the largest output.
 const MAX_PLANES: usize = 1024;
 
@@ -61,6 +64,8 @@ pub struct Options<'o> {
     pub no_optimize: bool,
     /// What a pixel may use up.
     pub limits: Limits,
+    /// Bytes that textures may take, all together; `None`: [`TEXTURE_MEMORY`].
+    pub texture_memory: Option<usize>,
     /// Set from another thread, it ends the run soon.
     pub cancel: Option<&'o AtomicBool>,
     /// Measure what each statement takes, for [`Report::profile`]. That takes some time itself.

@@ -16,6 +16,7 @@ mod read_exr;
 mod read_raster;
 mod rows;
 mod scan_exr;
+mod sequence;
 mod source;
 mod write;
 mod write_exr;
@@ -30,6 +31,7 @@ pub use error::{ErrorKind, ImageError};
 pub use file::{Channel, File, ReadOptions, Samples, read};
 pub use info::{ChannelInfo, Info, PartInfo, info};
 pub use rows::Rows;
+pub use sequence::{fill, has_pattern};
 pub use source::Input;
 pub use write::{Compression, Format, WriteOptions, Writer, encode, write};
 

@@ -25,7 +25,7 @@ struct Parameter {
     name: String,
     /// May it be left out?
     optional: bool,
-    /// The strings that it takes, if it does.
+    /// The strings that it takes, if it does: one of these, or any if there are none.
     choice: Option<&'static [&'static str]>,
 }
 
@@ -176,6 +176,9 @@ impl Resolver<'_> {
         });
         let params = builtin.params.iter().map(|p| match p.kind {
             ParamKind::Choice(of) => Parameter { name: p.name.into(), optional: true, choice: Some(of) },
+            ParamKind::Text => {
+                Parameter { name: p.name.into(), optional: p.default.is_some(), choice: Some(&[]) }
+            }
             _ => Parameter::value(p.name, p.default.is_some()),
         });
         let signature = Signature {
@@ -189,12 +192,16 @@ impl Resolver<'_> {
         for (given, param) in given.into_iter().zip(builtin.params) {
             match (given, param.default) {
                 (Some(values), _) => args.extend(values),
+                (None, Some(_)) if param.kind == ParamKind::Text => {
+                    args.push(Expr { kind: ExprKind::Number(f32::NAN), span });
+                }
                 (None, Some(text)) => args.push(self.default(text, span, scope)),
                 // The first of its strings is a choice's default.
                 (None, None) => args.push(Expr { kind: ExprKind::Number(0.0), span }),
             }
         }
         self.out.derivatives |= matches!(builtin.kernel, Kernel::Shadowed(_));
+        self.texture(builtin, &mut args)?;
         Some(ExprKind::Builtin(builtin, args))
     }
 
@@ -212,7 +219,7 @@ impl Resolver<'_> {
     }
 
     /// Matches arguments with parameters: for each the values given, `None` where its default is to be used. A
-    /// string becomes its number among those that the parameter takes.
+    /// string becomes its number among those that the parameter takes, or if it takes any, among the texts.
     fn arguments(
         &mut self,
         signature: &Signature,
@@ -310,6 +317,22 @@ impl Resolver<'_> {
         let (error, written) = match (&*value.kind, param.choice) {
             (_, None) if !matches!(&*value.kind, ast::ExprKind::Text(_)) => {
                 return Some(self.expr(value, scope));
+            }
+            (ast::ExprKind::Text(text), Some([])) => {
+                self.texts.push((text.clone(), value.span));
+                let number = self.texts.len() - 1;
+                return Some(Expr { kind: ExprKind::Number(number as f32), span: value.span });
+            }
+            (_, Some([])) => {
+                let error = error(format!("`{name}()` takes a string for `{}`", param.name));
+                let written = self.sources.text(value.span);
+                let word = |c: char| c.is_alphanumeric() || "._".contains(c);
+                let error = match written.chars().all(word) {
+                    true => error.hint(format!("Write it in quotes: \"{written}\".")),
+                    false => error,
+                };
+                self.errors.push(error.hint(signature.usage()));
+                return None;
             }
             (ast::ExprKind::Text(text), Some(of)) => match of.iter().position(|c| c == text) {
                 Some(choice) => {

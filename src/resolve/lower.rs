@@ -6,6 +6,7 @@ use super::names;
 use super::scope::{Scope, assigned};
 use super::tree::*;
 use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::host::Host;
 use crate::syntax::ast;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use std::sync::Arc;
 /// Turns the trees of a program's files into a [`Resolved`].
 pub(super) struct Resolver<'a> {
     pub sources: &'a mut Sources,
+    pub host: &'a dyn Host,
     pub hosts: &'a HostFunctions,
     pub errors: Vec<Diagnostic>,
     pub out: Resolved,
@@ -28,12 +30,15 @@ pub(super) struct Resolver<'a> {
     pub current: Option<u32>,
     /// Calls in the frame's program: function, span; checked when all functions are known.
     pub framed_calls: Vec<(u32, Span)>,
+    /// The strings that were given to name something, with their places.
+    pub texts: Vec<(String, Span)>,
 }
 
 impl<'a> Resolver<'a> {
-    pub fn new(sources: &'a mut Sources, hosts: &'a HostFunctions) -> Resolver<'a> {
+    pub fn new(sources: &'a mut Sources, host: &'a dyn Host, hosts: &'a HostFunctions) -> Resolver<'a> {
         Resolver {
             sources,
+            host,
             hosts,
             errors: Vec::new(),
             out: Resolved::default(),
@@ -43,6 +48,7 @@ impl<'a> Resolver<'a> {
             calls: Vec::new(),
             current: None,
             framed_calls: Vec::new(),
+            texts: Vec::new(),
         }
     }
 

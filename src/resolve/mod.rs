@@ -13,6 +13,7 @@ mod lower;
 mod rate;
 mod scope;
 mod several;
+mod texture;
 
 pub use library::{Entry, entries as library_entries};
 pub use tree::Resolved;
@@ -27,6 +28,7 @@ use std::sync::Arc;
 pub type HostFunctions = HashMap<String, Arc<HostFunction>>;
 
 pub(crate) use expr::no_variable;
+pub(crate) use texture::unreadable;
 
 /// Is it the name of a built-in function, or of one of the library?
 pub fn is_standard_function(name: &str) -> bool {
@@ -44,7 +46,7 @@ pub fn resolve(
     let mut sources = Sources::default();
     let mut errors = Vec::new();
     let files = import::gather(name, text, &mut sources, host, &mut errors);
-    let mut resolver = lower::Resolver::new(&mut sources, functions);
+    let mut resolver = lower::Resolver::new(&mut sources, host, functions);
     resolver.program(&files);
     let mut resolved = resolver.finish();
     let found = resolver.errors;

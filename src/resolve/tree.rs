@@ -3,6 +3,7 @@
 use crate::builtin::Builtin;
 use crate::diagnostic::{Sources, Span};
 use crate::eval::HostFunction;
+use crate::texture;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -29,6 +30,8 @@ pub struct Resolved {
     pub kept: usize,
     /// Does it ask for derivatives? Then each pixel runs with its shadows.
     pub derivatives: bool,
+    /// The textures that calls name, each once, and where it is first named.
+    pub textures: Vec<(texture::Source, Span)>,
 }
 
 /// A variable of the outer level.

@@ -214,7 +214,7 @@ fn run(name: &str, isa: Isa, n: usize, uniform: usize, args: &[Vec<f32>]) -> Vec
             })
         })
         .collect();
-    let call = Call { isa, n, pixels: n, mask: &Mask::All, args: &values, max_cells: 100 };
+    let call = Call { isa, n, pixels: n, mask: &Mask::All, args: &values, max_cells: 100, textures: &[] };
     let value = builtin.apply(&call).unwrap();
     (0..n).map(|i| value.planes[0].lane(i)).collect()
 }

@@ -5,6 +5,7 @@ use crate::cli::input::{InputArg, MapArg};
 use crate::cli::region::Region;
 use crate::cli::source::ProgramArgs;
 use crate::cli::view::ViewArgs;
+use crate::eval::TEXTURE_MEMORY;
 use crate::image::WriteOptions;
 use crate::program::Limits;
 use clap::Args;
@@ -128,6 +129,9 @@ pub(in crate::cli) struct LimitArgs {
     /// Megabytes of values that a thread holds
     #[arg(long, value_name = "MB", default_value_t = Limits::default().memory >> 20)]
     max_memory: usize,
+    /// Megabytes of textures, all together
+    #[arg(long, value_name = "MB", default_value_t = TEXTURE_MEMORY >> 20)]
+    texture_memory: usize,
 }
 
 impl LimitArgs {
@@ -139,6 +143,11 @@ impl LimitArgs {
             cells: self.max_vector,
             memory: self.max_memory.saturating_mul(1 << 20),
         }
+    }
+
+    /// Bytes that textures may take.
+    pub fn textures(&self) -> usize {
+        self.texture_memory.saturating_mul(1 << 20)
     }
 }
 

@@ -125,8 +125,9 @@ impl Plan {
             let path = name(path);
             let format = output::check(&path)?;
             let program = args.program.program.as_deref();
-            let inputs = args.input.iter().map(|i| name(Path::new(&i.path)));
-            if let Some(input) = inputs.into_iter().find(|i| same_file(i, &path)).filter(|_| !args.force) {
+            let mut inputs =
+                args.input.iter().map(|i| name(Path::new(&i.path))).chain(textures(&self.program, frame));
+            if let Some(input) = inputs.find(|i| same_file(i, &path)).filter(|_| !args.force) {
                 let shown = path.display();
                 let message = format!("the output `{shown}` is the input `{}`", input.display());
                 return Err(Failure::plain(message).hint("Write to another file, or add --force."));
@@ -193,6 +194,12 @@ fn scene(args: &RunArgs) -> Result<Option<String>, Failure> {
         };
     }
     Ok(Some(DEFAULT_SCENE.into()))
+}
+
+/// The files that the program looks up in a frame.
+fn textures(program: &Program, frame: Option<i64>) -> impl Iterator<Item = PathBuf> {
+    let frame = frame.unwrap_or(0) as f32;
+    program.resolved().textures.iter().filter_map(move |(source, _)| source.path(frame).ok().flatten())
 }
 
 /// Does it read how large a pixel is?

@@ -43,14 +43,10 @@ impl<'r> Builder<'_, 'r> {
         // Of what is known the evaluator's own kernel makes the value.
         if let Some(values) = args.iter().map(Val::known).collect::<Option<SmallVec<[Value; 4]>>>() {
             let max_cells = self.machine.limits.cells;
-            let call = builtin::Call {
-                isa: self.machine.isa,
-                n: 1,
-                pixels: 1,
-                mask: &Mask::All,
-                args: &values,
-                max_cells,
-            };
+            let textures = &self.machine.bound.textures;
+            let isa = self.machine.isa;
+            let call =
+                builtin::Call { isa, n: 1, pixels: 1, mask: &Mask::All, args: &values, max_cells, textures };
             let value = builtin.apply(&call).map_err(|_| GiveUp)?;
             return if value.is_uniform() { Ok(Val::from(&value)) } else { Err(GiveUp) };
         }
@@ -120,14 +116,9 @@ impl<'r> Builder<'_, 'r> {
             values.push(value?);
         }
         let max_cells = self.machine.limits.cells;
-        let call = builtin::Call {
-            isa: self.machine.isa,
-            n: 1,
-            pixels: 1,
-            mask: &Mask::All,
-            args: &values,
-            max_cells,
-        };
+        let (isa, textures) = (self.machine.isa, &[]);
+        let call =
+            builtin::Call { isa, n: 1, pixels: 1, mask: &Mask::All, args: &values, max_cells, textures };
         let fields = builtin::noise_fields(&call, p.len(), if name == "Vnoise" { 3 } else { 1 });
         let fields = fields.map_err(|_| GiveUp)?;
         if name == "Dnoise" {
@@ -144,14 +135,9 @@ impl<'r> Builder<'_, 'r> {
         let values: Vec<Value> =
             args.iter().map(|a| a.known().unwrap_or_else(|| Value::uniform(0.0))).collect();
         let max_cells = self.machine.limits.cells;
-        let call = builtin::Call {
-            isa: self.machine.isa,
-            n: 1,
-            pixels: 1,
-            mask: &Mask::All,
-            args: &values,
-            max_cells,
-        };
+        let (isa, textures) = (self.machine.isa, &[]);
+        let call =
+            builtin::Call { isa, n: 1, pixels: 1, mask: &Mask::All, args: &values, max_cells, textures };
         let octaves = Octaves::of(name, &call, &known, args[0].cells.len()).ok_or(GiveUp)?;
         let mut cells = args[0].cells.clone();
         for (i, place) in octaves.numbers.iter().enumerate() {

@@ -1,0 +1,97 @@
+//! Images to look things up in: mip maps, summed-area tables, and the filters over them; pictures of all that is
+//! around. Knows nothing of the language.
+//!
+//! A place in a texture is `s` along its columns and `v` down its rows, both from 0 to 1 over the image; the
+//! functions of programs turn `t`, which goes up, into `v`. A *texel* is a pixel of a texture. Numbers that are
+//! no finite ones would spread with every average: NaN is read as 0, infinity as the largest half.
+
+mod level;
+mod look;
+mod pyramid;
+mod source;
+mod sphere;
+mod sums;
+#[cfg(test)]
+mod tests;
+mod wanted;
+
+pub use look::{Filter, Look};
+pub use source::{Origin, Source};
+pub use sphere::turned_z_up;
+
+use crate::shape::Shape;
+use level::Level;
+use sums::Sums;
+
+/// What stands beyond the edges of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again and again.
+    Periodic,
+    /// Nothing: 0.
+    Black,
+    /// The texels of the edge.
+    Clamp,
+    /// The image mirrored, and then again.
+    Mirror,
+}
+
+/// What the image shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// A plane.
+    Plane,
+    /// All directions: longitude along the columns, latitude along the rows.
+    LatLong,
+    /// All directions: the six sides of a cube.
+    Cube,
+}
+
+/// What a texture is kept ready for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// A mip map.
+    pub levels: bool,
+    /// A summed-area table.
+    pub sums: bool,
+}
+
+/// The most components of a texel.
+pub const COMPONENTS: usize = 4;
+
+/// A texture, ready to be looked up.
+#[derive(Debug)]
+pub struct Texture {
+    shape: Shape,
+    layout: Layout,
+    /// The image itself, then its mip map.
+    levels: Vec<Level>,
+    sums: Option<Sums>,
+}
+
+impl Texture {
+    /// A texture of interleaved texels, rows from the top; of a cube the sides one below the other.
+    fn new(shape: Shape, layout: Layout, image: Level, needs: Needs) -> Texture {
+        let sums = needs.sums.then(|| Sums::of(&image));
+        let levels = if needs.levels { pyramid::of(image) } else { vec![image] };
+        Texture { shape, layout, levels, sums }
+    }
+
+    /// What a look-up gives: a scalar, or a vector of no more than [`COMPONENTS`].
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// What the image shows.
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+}
+
+/// The bytes that an image of so many texels and components takes, with what is kept ready.
+fn bytes(size: [usize; 2], components: usize, needs: Needs) -> u64 {
+    let texels = size[0] as u64 * size[1] as u64 * components as u64;
+    let levels = if needs.levels { texels / 3 } else { 0 };
+    let sums = if needs.sums { (size[0] as u64 + 1) * (size[1] as u64 + 1) * components as u64 } else { 0 };
+    4 * (texels + levels) + 8 * sums
+}
