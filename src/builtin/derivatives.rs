@@ -36,6 +36,11 @@ fn difference(call: &Call<'_>, plane: &Plane, along: Along) -> Plane {
     Plane::Varying(out)
 }
 
+/// How a plane changes to the next column and to the next row.
+pub(super) fn changes(call: &Call<'_>, plane: &Plane) -> [Plane; 2] {
+    [Along::Row, Along::Column].map(|along| difference(call, plane, along))
+}
+
 fn subtract(isa: Isa, a: &[f32], b: &[f32], out: &mut [f32]) {
     isa.run(|| {
         for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
@@ -61,7 +66,7 @@ fn along_column(call: &Call<'_>) -> Result<Value, Fault> {
 fn filterwidth(call: &Call<'_>) -> Result<Value, Fault> {
     let value = &call.args[0];
     let width = |plane: &Plane| {
-        let [u, v] = [Along::Row, Along::Column].map(|along| difference(call, plane, along));
+        let [u, v] = changes(call, plane);
         call.lane([&u, &v], |[u, v]| u.abs() + v.abs())
     };
     Ok(Value { shape: value.shape.clone(), planes: value.planes.iter().map(width).collect() })

@@ -2,8 +2,11 @@
 
 use super::apply::{each, vector_of};
 use super::call::{Call, Fault};
+use super::derivatives::changes;
 use super::table::table;
+use super::vectors::direction_planes;
 use super::{Builtin, Kernel, Param, ex};
+use crate::math;
 use crate::shape::Shape;
 use crate::texture::{Filter, Layout, Look, Texture, Wrap, turned_z_up};
 use crate::value::{Plane, Value};
@@ -21,6 +24,7 @@ const FILTERS: [(&str, Filter); 5] = [
 const WRAPS: [(&str, Wrap); 4] =
     [("periodic", Wrap::Periodic), ("black", Wrap::Black), ("clamp", Wrap::Clamp), ("mirror", Wrap::Mirror)];
 
+const WIDTH: &str = "width";
 const FILTER: &str = "filter";
 const LAYOUT: &str = "layout";
 const CHANNEL: &str = "channel";
@@ -30,7 +34,7 @@ static TEXTURE: [Param; 9] = [
     Param::text("file"),
     Param::new("s"),
     Param::or("t", "[]"),
-    Param::or("width", "0"),
+    Param::or(WIDTH, "[]"),
     Param::choice(FILTER, &["mip", "sat", "nearest", "bilinear", "cubic"]),
     Param::choice("wrap", &["periodic", "black", "clamp", "mirror"]),
     Param::choice("wrap_t", &["same", "periodic", "black", "clamp", "mirror"]),
@@ -41,7 +45,7 @@ static TEXTURE: [Param; 9] = [
 static ENVIRONMENT: [Param; 8] = [
     Param::text("file"),
     Param::new("direction"),
-    Param::or("width", "0"),
+    Param::or(WIDTH, "[]"),
     Param::choice(FILTER, &["mip", "sat", "nearest", "bilinear", "cubic"]),
     Param::choice(LAYOUT, &["latlong", "cube"]),
     Param::choice("up", &["y", "z"]),
@@ -60,6 +64,9 @@ pub struct Asked {
     pub raw: bool,
     /// The place of the argument that names a channel.
     pub channel: usize,
+    /// The place of the width that the filter takes, if it takes any. `[]` there: that of the pixel, for which the
+    /// program has to run with shadows.
+    pub width: Option<usize>,
 }
 
 impl Asked {
@@ -75,7 +82,8 @@ impl Asked {
             _ => return None,
         };
         let filter = FILTERS[number(FILTER)].1;
-        Some(Asked { layout, filter, raw: number(ENCODING) == 1, channel: place(CHANNEL)? })
+        let width = place(WIDTH).filter(|_| matches!(filter, Filter::Mip | Filter::Sums));
+        Some(Asked { layout, filter, raw: number(ENCODING) == 1, channel: place(CHANNEL)?, width })
     }
 }
 
@@ -92,11 +100,22 @@ fn named<'a>(call: &Call<'a>) -> Result<&'a Texture, Fault> {
     }
 }
 
-/// The widths to filter over, along the columns and along the rows: all functions that look images up choose them
-/// here.
-fn widths(call: &Call<'_>, arg: usize) -> Result<[Plane; 2], Fault> {
+/// The widths to filter over, along the columns and along the rows, at these s and t: those that are given, or what a
+/// pixel covers.
+fn widths(call: &Call<'_>, arg: usize, at: [&Plane; 2], wrap: [Wrap; 2]) -> Result<[Plane; 2], Fault> {
     let width = &call.args[arg];
     match width.shape {
+        Shape::Vector(0) => Ok([0, 1].map(|axis| {
+            let around = wrap[axis] == Wrap::Periodic;
+            let [du, dv] = changes(call, at[axis]);
+            call.lane([&du, &dv], |[du, dv]| {
+                // From one side of the seam of a closed surface to the other is no change of the whole.
+                let near = |d: f32| if around { d - math::round(d) } else { d };
+                let (du, dv) = (near(du), near(dv));
+                // A square pixel, turned, covers the same area.
+                (du * du + dv * dv).sqrt()
+            })
+        })),
         Shape::Scalar => Ok([width.planes[0].clone(), width.planes[0].clone()]),
         Shape::Vector(2) => Ok([width.planes[0].clone(), width.planes[1].clone()]),
         _ => Err(Fault::of(arg, format!("a width is a scalar or a vector of 2, found {}", width.shape))),
@@ -146,23 +165,35 @@ fn looked_up<const N: usize>(
     Value { shape: texture.shape().clone(), planes }
 }
 
+/// The angle between a direction and those of the neighbouring pixels, the larger of the two.
+fn angle(call: &Call<'_>, direction: &[Plane]) -> Plane {
+    let unit = direction_planes(call, direction);
+    let [x, y, z] = [0, 1, 2].map(|axis| changes(call, &unit[axis]));
+    let chord = |along: usize| {
+        call.lane([&x[along], &y[along], &z[along]], |[x, y, z]| (x * x + y * y + z * z).sqrt())
+    };
+    call.lane([&chord(0), &chord(1)], |[u, v]| if u > v { u } else { v })
+}
+
 fn texture(call: &Call<'_>) -> Result<Value, Fault> {
     let texture = named(call)?;
-    let [ws, wt] = widths(call, 3)?;
     let wrap = WRAPS[word(call, 5)].1;
     let wrap_t = word(call, 6).checked_sub(1).map_or(wrap, |i| WRAPS[i].1);
     let look = Look { filter: FILTERS[word(call, 4)].1, wrap: [wrap, wrap_t] };
-    let at = |s: &Plane, t: &Plane| looked_up(call, texture, [s, t, &ws, &wt], &Place(texture, look));
+    let at = |s: &Plane, t: &Plane| {
+        let [ws, wt] = widths(call, 3, [s, t], look.wrap)?;
+        Ok(looked_up(call, texture, [s, t, &ws, &wt], &Place(texture, look)))
+    };
     if call.args[2].shape != Shape::Vector(0) {
         if !call.args[1].shape.is_scalar() {
             let message =
                 format!("texture takes one number for s where t is given, found {}", call.args[1].shape);
             return Err(Fault::of(1, message).hint("A width is given by its name: `width = …`."));
         }
-        return Ok(at(&call.args[1].planes[0], call.scalar(2)?));
+        return at(&call.args[1].planes[0], call.scalar(2)?);
     }
     each([&call.args[1]], &mut |[place]| match place.shape {
-        Shape::Vector(2) => Ok(at(&place.planes[0], &place.planes[1])),
+        Shape::Vector(2) => at(&place.planes[0], &place.planes[1]),
         _ => Err(Fault::of(1, format!("texture takes s and t, or a vector of both, found {}", place.shape))
             .hint("`uv` is such a vector. By a direction, `environment()` looks images up.")),
     })
@@ -170,13 +201,16 @@ fn texture(call: &Call<'_>) -> Result<Value, Fault> {
 
 fn environment(call: &Call<'_>) -> Result<Value, Fault> {
     let texture = named(call)?;
-    let width = call.scalar(2)?;
+    let width = |d: &[Plane]| match call.args[2].shape {
+        Shape::Vector(0) => Ok(angle(call, d)),
+        _ => call.scalar(2).cloned(),
+    };
     // A picture of all that is around has no edges.
     let look = Look { filter: FILTERS[word(call, 3)].1, wrap: [Wrap::Periodic; 2] };
     let lookup = Direction(texture, look, word(call, 5) == 1);
     each([&call.args[1]], &mut |[direction]| {
         let d = vector_of("environment", 1, direction, &[3])?;
-        Ok(looked_up(call, texture, [&d[0], &d[1], &d[2], width], &lookup))
+        Ok(looked_up(call, texture, [&d[0], &d[1], &d[2], &width(d)?], &lookup))
     })
 }
 
@@ -192,8 +226,9 @@ pub static FUNCTIONS: &[Builtin] = &[
               `pse info` lists them (`\"alpha\"`, `\"point\"`, `\"ViewLayer.Position.X\"`), or \
               `\"rgba\"`: the colour with alpha. `encoding = \"raw\"` takes PNG and the like as they are stored, \
               for normals and masks. \
-              `width` is how much of the image a pixel covers, in the units of s and t: a scalar or `[width_s width_t]`, \
-              and may differ from pixel to pixel. 0 is no wider than a texel. \
+              `width` is how much of the image to take the mean of, in the units of s and t: a scalar or \
+              `[width_s width_t]`, and may differ from pixel to pixel. 0 is no wider than a texel. If it is not given, it \
+              is what the pixel covers, from the change of s and t to the neighbouring pixels (see [Du](#du)). \
               `filter`: `\"mip\"` takes the mean from a mip map, several times side by side where one width is much \
               larger; `\"sat\"` takes the exact mean over a box, from a summed-area table, and needs three times the \
               memory. `\"nearest\"`, `\"bilinear\"` and `\"cubic\"` (a B-spline, a little soft) look at 1, 4 and 16 texels \
@@ -219,7 +254,8 @@ pub static FUNCTIONS: &[Builtin] = &[
               `layout = \"cube\"`: six square sides +x -x +y -y +z -z, oriented as those of OpenGL, in a row (6 x 1), a \
               column (1 x 6), two rows (3 x 2), or a cross (4 x 3, with -x +z +x -z in its row; 3 x 4, with +y +z -y \
               and -z upside down in its column); the image's proportions tell which. \
-              `width` is the angle of the cone that is looked at, in radians: the wider, the blunter the mirror. \
+              `width` is the angle of the cone that is looked at, in radians: the wider, the blunter the mirror. If it \
+              is not given, it is the angle to the directions of the neighbouring pixels. \
               `filter`, `channel` and `encoding` are those of [texture](#texture); a cube has no `\"sat\"` (Blinn and \
               Newell 1976; Greene 1986).",
         examples: &[

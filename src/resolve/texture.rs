@@ -22,6 +22,8 @@ impl Resolver<'_> {
             _ => f32::NAN,
         };
         let Some(asked) = Asked::of(builtin, |i| number(i) as usize) else { return Some(()) };
+        let not_given = |i: usize| matches!(&args[i].kind, ExprKind::Vector(width) if width.is_empty());
+        self.out.derivatives |= asked.width.is_some_and(not_given);
         let (name, span) = self.texts.get(number(0) as usize)?.clone();
         let channel = Some(number(asked.channel)).filter(|n| !n.is_nan()).map(|n| &self.texts[n as usize]);
         let channel = channel.filter(|(text, _)| !text.is_empty()).cloned();
