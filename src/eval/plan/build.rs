@@ -7,6 +7,7 @@
 use super::graph::{Cell, Cells, Graph};
 use super::op::Op;
 use super::strip::zip;
+use super::wanted::Reads;
 use crate::eval::machine::Machine;
 use crate::resolve::tree::*;
 use crate::shape::Shape;
@@ -21,8 +22,12 @@ const ROUNDS: u32 = 8192;
 const CELLS: usize = 1024;
 /// How deep calls are followed.
 const DEPTH: usize = 16;
-/// The most work in a block of which only some lanes want the result: more is left to them alone.
-const SPARE: u32 = 24;
+/// The most light operations in branches, which are computed in other lanes too: more is left to their lanes alone.
+const SPARE: u32 = 128;
+
+/// `condition ? a : b`
+const SELECT: Op =
+    Op::Zip(|isa, args, out| zip(isa, args, out, |[c, a, b]| if c != 0.0 { a } else { b }));
 
 /// It is left to the evaluator.
 pub struct GiveUp;
@@ -77,17 +82,28 @@ pub struct Read {
     pub value: Val,
 }
 
-/// How a statement ends.
+/// How a statement ends, in all lanes that reach it but those of which [`Frame::returned`] tells.
+#[derive(PartialEq)]
 pub enum Flow {
     On,
     Break,
     Continue,
-    Return(Val),
+    Return,
+}
+
+/// A call that is followed.
+#[derive(Default)]
+struct Frame {
+    variables: HashMap<Place, Val>,
+    /// Where the call has returned, in the lanes of the statements that are followed: not 0 in those that have; and what.
+    returned: Option<(Cell, Val)>,
 }
 
 pub struct Builder<'m, 'r> {
     pub machine: &'m mut Machine<'r>,
     pub mask: &'m Mask,
+    /// What the whole program reads.
+    all: &'m Reads,
     pub graph: Graph,
     /// What is read from outside.
     pub reads: Vec<Read>,
@@ -95,22 +111,25 @@ pub struct Builder<'m, 'r> {
     pub inputs: Vec<(usize, usize)>,
     /// The variables of the statements' own level.
     pub outer: HashMap<Place, Val>,
-    /// Those of calls that are followed.
-    frames: Vec<HashMap<Place, Val>>,
+    /// The calls that are followed.
+    frames: Vec<Frame>,
     /// What is assigned, in order.
     pub assigned: Vec<Place>,
     /// Rounds of loops and calls, as the evaluator counts them.
     pub steps: u32,
     /// How deep expressions nest.
     pub depth: usize,
+    /// How deep calls were followed.
+    pub calls: usize,
 }
 
 impl<'m, 'r> Builder<'m, 'r> {
-    pub fn new(machine: &'m mut Machine<'r>, mask: &'m Mask) -> Builder<'m, 'r> {
+    pub fn new(machine: &'m mut Machine<'r>, mask: &'m Mask, all: &'m Reads) -> Builder<'m, 'r> {
         let graph = Graph::new(machine.isa);
         Builder {
             machine,
             mask,
+            all,
             graph,
             reads: Vec::new(),
             inputs: Vec::new(),
@@ -119,6 +138,7 @@ impl<'m, 'r> Builder<'m, 'r> {
             assigned: Vec::new(),
             steps: 0,
             depth: 0,
+            calls: 0,
         }
     }
 
@@ -134,6 +154,7 @@ impl<'m, 'r> Builder<'m, 'r> {
                 self.inputs.truncate(inputs);
                 self.assigned.truncate(assigned);
                 self.frames.clear();
+                self.graph.guard = None;
                 self.steps = steps;
                 return i;
             }
@@ -142,13 +163,56 @@ impl<'m, 'r> Builder<'m, 'r> {
     }
 
     fn block(&mut self, stmts: &'r [Stmt]) -> Result<Flow, GiveUp> {
-        for stmt in stmts {
+        for (i, stmt) in stmts.iter().enumerate() {
             match self.stmt(stmt)? {
                 Flow::On => {}
                 left => return Ok(left),
             }
+            if let Some((where_, value)) = self.returned() {
+                return self.others(&stmts[i + 1..], where_, value);
+            }
         }
         Ok(Flow::On)
+    }
+
+    /// Where the call has returned, and what; it is forgotten.
+    fn returned(&mut self) -> Option<(Cell, Val)> {
+        self.frames.last_mut()?.returned.take()
+    }
+
+    /// Follows statements in the lanes that have not returned, where others have.
+    fn others(&mut self, stmts: &'r [Stmt], where_: Cell, value: Val) -> Result<Flow, GiveUp> {
+        let flow = self.under(where_, false, |builder| builder.block(stmts))?;
+        let later = self.returned();
+        let returned = match (&flow, later) {
+            (Flow::On, None) => (where_, value),
+            (Flow::On | Flow::Return, Some((later, other))) => {
+                let value = self.select(where_, &value, &other)?;
+                (self.choose(where_, Cell::number(1.0), later), value)
+            }
+            _ => return Err(GiveUp),
+        };
+        if let Some(frame) = self.frames.last_mut() {
+            frame.returned = Some(returned);
+        }
+        Ok(flow)
+    }
+
+    /// Follows what is wanted only where a condition has this truth.
+    pub fn under<T>(
+        &mut self,
+        condition: Cell,
+        truth: bool,
+        f: impl FnOnce(&mut Self) -> Result<T, GiveUp>,
+    ) -> Result<T, GiveUp> {
+        let around = self.graph.guard;
+        if around.is_none() {
+            self.graph.spare = 0;
+        }
+        self.graph.enter(condition, truth);
+        let outcome = f(self)?;
+        self.graph.guard = around;
+        if self.graph.spare > SPARE { Err(GiveUp) } else { Ok(outcome) }
     }
 
     fn round(&mut self) -> Result<(), GiveUp> {
@@ -181,8 +245,9 @@ impl<'m, 'r> Builder<'m, 'r> {
                 match self.block(body)? {
                     Flow::On | Flow::Continue => {}
                     Flow::Break => return Ok(Flow::On),
-                    left => return Ok(left),
+                    Flow::Return => return Ok(Flow::Return),
                 }
+                self.all_on()?;
             },
             StmtKind::For(place, vector, body) => {
                 let vector = self.expr(vector)?;
@@ -192,17 +257,29 @@ impl<'m, 'r> Builder<'m, 'r> {
                     match self.block(body)? {
                         Flow::On | Flow::Continue => {}
                         Flow::Break => break,
-                        left => return Ok(left),
+                        Flow::Return => return Ok(Flow::Return),
                     }
+                    self.all_on()?;
                 }
                 Ok(Flow::On)
             }
             StmtKind::Break => Ok(Flow::Break),
             StmtKind::Continue => Ok(Flow::Continue),
             // The statements' own function is the evaluator's to leave.
-            StmtKind::Return(e) if !self.frames.is_empty() => Ok(Flow::Return(self.expr(e)?)),
-            StmtKind::Return(_) | StmtKind::Expr(_) => Err(GiveUp),
+            StmtKind::Return(e) => {
+                let value = self.expr(e)?;
+                // The statements' own function is the evaluator's to leave.
+                let frame = self.frames.last_mut().ok_or(GiveUp)?;
+                frame.returned = Some((Cell::number(1.0), value));
+                Ok(Flow::Return)
+            }
+            StmtKind::Expr(_) => Err(GiveUp),
         }
+    }
+
+    /// Gives up if a round of a loop has left the call in some lanes.
+    fn all_on(&self) -> Result<(), GiveUp> {
+        if self.frames.last().is_some_and(|frame| frame.returned.is_some()) { Err(GiveUp) } else { Ok(()) }
     }
 
     /// The truth of a condition that is the same in all lanes.
@@ -220,21 +297,77 @@ impl<'m, 'r> Builder<'m, 'r> {
             Some(0.0) => self.branch(rest, otherwise),
             Some(_) => self.block(&block.stmts),
             None => {
-                let work = |block: &Block| block.effects.work;
-                if rest.iter().map(|(_, b)| work(b)).chain([work(block), work(otherwise)]).sum::<u32>()
-                    > SPARE
-                {
-                    return Err(GiveUp);
-                }
                 // Both ways, and of each number the one that its lane wants.
                 let before = self.variables().clone();
-                let Flow::On = self.block(&block.stmts)? else { return Err(GiveUp) };
-                let yes = std::mem::replace(self.variables(), before);
-                let Flow::On = self.branch(rest, otherwise)? else { return Err(GiveUp) };
-                let no = self.variables().clone();
-                *self.variables() = self.either(cell, yes, no)?;
-                Ok(Flow::On)
+                let flow = self.under(cell, true, |builder| builder.block(&block.stmts))?;
+                self.drop_temporary(&block.stmts, &before);
+                let returned = self.returned();
+                let yes = std::mem::replace(self.variables(), before.clone());
+                let other = self.under(cell, false, |builder| builder.branch(rest, otherwise))?;
+                if rest.is_empty() {
+                    self.drop_temporary(&otherwise.stmts, &before);
+                }
+                let returned = self.either_returned(cell, returned)?;
+                if let Some(frame) = self.frames.last_mut() {
+                    frame.returned = returned;
+                }
+                match (flow, other) {
+                    (Flow::On, Flow::On) => {
+                        let no = self.variables().clone();
+                        *self.variables() = self.either(cell, yes, no)?;
+                        Ok(Flow::On)
+                    }
+                    // Those who go on are of one way.
+                    (Flow::On, Flow::Return) => {
+                        *self.variables() = yes;
+                        Ok(Flow::On)
+                    }
+                    (Flow::Return, Flow::On) => Ok(Flow::On),
+                    (Flow::Return, Flow::Return) => Ok(Flow::Return),
+                    _ => Err(GiveUp),
+                }
             }
+        }
+    }
+
+    /// Forgets variables of which nobody outside of the block knows: they need no value on another way.
+    fn drop_temporary(&mut self, block: &'r [Stmt], before: &HashMap<Place, Val>) {
+        if !self.frames.is_empty() {
+            return;
+        }
+        let new: Vec<Place> = self.outer.keys().filter(|place| !before.contains_key(place)).copied().collect();
+        for place in new {
+            if !self.machine.wanted(place) && self.all.temporary(block, place) {
+                self.outer.remove(&place);
+            }
+        }
+    }
+
+    /// What was returned on two ways: that of one way, and the frame's.
+    fn either_returned(
+        &mut self,
+        condition: Cell,
+        yes: Option<(Cell, Val)>,
+    ) -> Result<Option<(Cell, Val)>, GiveUp> {
+        let zero = Cell::number(0.0);
+        Ok(match (yes, self.returned()) {
+            (None, None) => None,
+            (Some((a, value)), None) => Some((self.choose(condition, a, zero), value)),
+            (None, Some((b, value))) => Some((self.choose(condition, zero, b), value)),
+            (Some((a, value)), Some((b, other))) => {
+                let value = self.select(condition, &value, &other)?;
+                Some((self.choose(condition, a, b), value))
+            }
+        })
+    }
+
+    /// The truth of `condition ? a : b`.
+    fn choose(&mut self, condition: Cell, a: Cell, b: Cell) -> Cell {
+        match (a.known(), b.known()) {
+            _ if a == b => a,
+            (Some(1.0), Some(0.0)) => condition,
+            (Some(0.0), Some(1.0)) => self.graph.not(condition),
+            _ => self.graph.one(SELECT, &[condition, a, b]),
         }
     }
 
@@ -256,7 +389,12 @@ impl<'m, 'r> Builder<'m, 'r> {
                 Some(value) => Ok(value.clone()),
                 None => self.find(place),
             };
-            let (a, b) = (of(&yes)?, of(&no)?);
+            let (a, b) = match (of(&yes), of(&no)) {
+                (Ok(a), Ok(b)) => (a, b),
+                // A call's own variable that has no value on one way. If it is read later it is found missing.
+                _ if !self.frames.is_empty() => continue,
+                _ => return Err(GiveUp),
+            };
             let value = if a == b { a } else { self.select(condition, &a, &b)? };
             both.insert(place, value);
         }
@@ -272,10 +410,7 @@ impl<'m, 'r> Builder<'m, 'r> {
             if a == b {
                 return a;
             }
-            self.graph.one(
-                Op::Zip(|isa, args, out| zip(isa, args, out, |[c, a, b]| if c != 0.0 { a } else { b })),
-                &[condition, a, b],
-            )
+            self.graph.one(SELECT, &[condition, a, b])
         });
         Ok(Val { shape: a.shape.clone(), cells: cells.collect() })
     }
@@ -328,7 +463,7 @@ impl<'m, 'r> Builder<'m, 'r> {
 
     /// The variables of the innermost call that is followed, or of the statements' own level.
     fn variables(&mut self) -> &mut HashMap<Place, Val> {
-        self.frames.last_mut().unwrap_or(&mut self.outer)
+        self.frames.last_mut().map_or(&mut self.outer, |frame| &mut frame.variables)
     }
 
     fn set(&mut self, place: Place, value: Val) -> Result<(), GiveUp> {
@@ -396,18 +531,22 @@ impl<'m, 'r> Builder<'m, 'r> {
     /// A call of a function of the language.
     pub fn call(&mut self, f: u32, args: &'r [Expr]) -> Result<Val, GiveUp> {
         let function = &self.machine.program.functions[f as usize];
-        let mut frame = HashMap::new();
+        let mut frame = Frame::default();
         for (i, arg) in args.iter().enumerate() {
-            frame.insert(Place::Local(i as u32), self.expr(arg)?);
+            frame.variables.insert(Place::Local(i as u32), self.expr(arg)?);
         }
         self.round()?;
-        if self.frames.len() >= DEPTH {
+        if self.frames.len() >= DEPTH || !self.machine.room_for_calls(self.frames.len() + 1) {
             return Err(GiveUp);
         }
         self.frames.push(frame);
+        self.calls = self.calls.max(self.frames.len());
         let flow = self.block(&function.body)?;
-        self.frames.pop();
-        if let Flow::Return(value) = flow { Ok(value) } else { Err(GiveUp) }
+        let returned = self.frames.pop().and_then(|frame| frame.returned);
+        match returned {
+            Some((_, value)) if flow == Flow::Return => Ok(value),
+            _ => Err(GiveUp),
+        }
     }
 
     /// The cells of several values that are to meet: a scalar with each component of a vector.

@@ -35,6 +35,8 @@ pub struct Plan {
     writes: Vec<Write>,
     /// Rounds of loops and calls.
     rounds: u32,
+    /// How deep calls go.
+    calls: usize,
 }
 
 struct Write {
@@ -99,7 +101,7 @@ impl<'r> Machine<'r> {
             (Plane::Varying(_), None) => true,
             _ => false,
         };
-        plan.reads.iter().all(|read| {
+        self.room_for_calls(plan.calls) && plan.reads.iter().all(|read| {
             if let Some((variable, _)) = self.untouched(read.place) {
                 return variable.shape == read.value.shape
                     && read.value.cells.iter().all(|c| c.known().is_none());
@@ -124,12 +126,12 @@ impl<'r> Machine<'r> {
             Some(reads) => reads.clone(),
             None => self.plans.reads.insert(Rc::new(Reads::of_program(self.program))).clone(),
         };
-        let mut builder = Builder::new(self, mask);
+        let mut builder = Builder::new(self, mask, &reads);
         let count = builder.follow(stmts);
         if count == 0 {
             return None;
         }
-        let Builder { graph, reads: needed, inputs, outer, assigned, steps: rounds, .. } = builder;
+        let Builder { graph, reads: needed, inputs, outer, assigned, steps: rounds, calls, .. } = builder;
         let here = Reads::of(&stmts[..count]);
         let mut cells: Vec<Cell> = Vec::new();
         let mut writes = Vec::new();
@@ -152,7 +154,7 @@ impl<'r> Machine<'r> {
                 (needed[variable].place, plane)
             })
             .collect();
-        Some(Plan { count, reads: needed, steps, inputs, writes, rounds })
+        Some(Plan { count, reads: needed, steps, inputs, writes, rounds, calls })
     }
 
     /// Runs a plan that fits, on the lanes of the mask. `first` is the first of its statements.

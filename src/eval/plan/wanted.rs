@@ -31,6 +31,26 @@ impl Reads {
         self.0.get(&global).copied().unwrap_or(0)
     }
 
+    /// Is an outer variable, of these counts, only read in this block, and each time assigned there before?
+    pub fn temporary(&self, block: &[Stmt], place: Place) -> bool {
+        let Place::Global(i) = place else { return false };
+        if Reads::of(block).count(i) < self.count(i) {
+            return false;
+        }
+        for stmt in block {
+            match &stmt.kind {
+                StmtKind::Assign { place: to, path, op: None, value, .. } if *to == place && path.is_empty() => {
+                    let mut reads = Reads::default();
+                    reads.expr(value);
+                    return reads.count(i) == 0;
+                }
+                _ if Reads::of(std::slice::from_ref(stmt)).count(i) > 0 => return false,
+                _ => {}
+            }
+        }
+        true
+    }
+
     fn add(&mut self, place: Place) {
         if let Place::Global(i) = place {
             *self.0.entry(i).or_default() += 1;
