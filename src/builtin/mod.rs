@@ -110,8 +110,8 @@ pub enum Kernel {
 
 /// Functions of a few instructions.
 const LIGHT: [&str; 18] = [
-    "abs", "sign", "floor", "ceil", "round", "trunc", "frac", "mod", "clamp", "sqrt", "isnan", "isinf", "isfinite",
-    "radians", "degrees", "step", "mix", "lerp",
+    "abs", "sign", "floor", "ceil", "round", "trunc", "frac", "mod", "clamp", "sqrt", "isnan", "isinf",
+    "isfinite", "radians", "degrees", "step", "mix", "lerp",
 ];
 
 /// A group of functions: a heading and its table, in the order of the documentation.

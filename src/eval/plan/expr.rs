@@ -147,7 +147,9 @@ impl<'r> Builder<'_, 'r> {
             BinaryOp::Rem => {
                 const POWER: Zip = |isa, args, out| zip(isa, args, out, |[a, b]| math::modulo_of_power(a, b));
                 return self.meet([a, b], |graph, [a, b]| match b.known() {
-                    Some(x) if power_of_two(x) && (1.0..1e30).contains(&x) => graph.one(Op::Zip(POWER), &[a, b]),
+                    Some(x) if power_of_two(x) && (1.0..1e30).contains(&x) => {
+                        graph.one(Op::Zip(POWER), &[a, b])
+                    }
                     _ => graph.one(Op::Map2(math::modulo_lanes, Cost::Heavy), &[a, b]),
                 });
             }

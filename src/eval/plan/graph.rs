@@ -231,7 +231,8 @@ fn weigh(graph: &mut Graph, wanted: &[Cell]) {
         around(&graph.guards, node.guard).for_each(|g| costs[g] += cost);
     }
     // What a guard has, those around it have too.
-    let worth = |guard: Option<u32>| around(&graph.guards, guard).find(|&g| costs[g] >= WORTH).map(|g| g as u32);
+    let worth =
+        |guard: Option<u32>| around(&graph.guards, guard).find(|&g| costs[g] >= WORTH).map(|g| g as u32);
     for node in &mut graph.nodes {
         node.guard = worth(node.guard);
     }

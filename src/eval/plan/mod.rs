@@ -10,6 +10,7 @@
 //! A lane's result is the same bits either way: each operation is the one that the evaluator does.
 
 mod active;
+mod branch;
 mod build;
 mod builtins;
 mod expr;

@@ -127,7 +127,9 @@ impl Op {
             Op::Left(a, b) => left(*a, *b)(isa, args, out[0]),
             Op::Right(a, b) => right(*a, *b)(isa, args, out[0]),
             Op::Zip(f) | Op::Costly(f) => f(isa, args, out[0]),
-            Op::Map1(f, _) => f(isa, &args[0].as_flattened()[..lanes], &mut out[0].as_flattened_mut()[..lanes]),
+            Op::Map1(f, _) => {
+                f(isa, &args[0].as_flattened()[..lanes], &mut out[0].as_flattened_mut()[..lanes])
+            }
             Op::Map2(f, _) => {
                 f(
                     isa,

@@ -101,24 +101,28 @@ impl<'r> Machine<'r> {
             (Plane::Varying(_), None) => true,
             _ => false,
         };
-        self.room_for_calls(plan.calls) && plan.reads.iter().all(|read| {
-            if let Some((variable, _)) = self.untouched(read.place) {
-                return variable.shape == read.value.shape
-                    && read.value.cells.iter().all(|c| c.known().is_none());
-            }
-            let slot = self.slot(read.place);
-            slot.value.as_ref().is_some_and(|value| {
-                value.shape == read.value.shape
-                    && value.planes.iter().zip(&read.value.cells).all(|(p, c)| same(p, c))
-            }) && mask.is_subset(&slot.defined, width)
-        }) && plan.writes.iter().all(|write| {
-            if let Mask::All = mask {
-                return true;
-            }
-            let slot = self.slot(write.place);
-            // Where other lanes keep a value its shape must be theirs.
-            slot.value.as_ref().is_none_or(|v| v.shape == write.shape || slot.defined.is_subset(mask, width))
-        })
+        self.room_for_calls(plan.calls)
+            && plan.reads.iter().all(|read| {
+                if let Some((variable, _)) = self.untouched(read.place) {
+                    return variable.shape == read.value.shape
+                        && read.value.cells.iter().all(|c| c.known().is_none());
+                }
+                let slot = self.slot(read.place);
+                slot.value.as_ref().is_some_and(|value| {
+                    value.shape == read.value.shape
+                        && value.planes.iter().zip(&read.value.cells).all(|(p, c)| same(p, c))
+                }) && mask.is_subset(&slot.defined, width)
+            })
+            && plan.writes.iter().all(|write| {
+                if let Mask::All = mask {
+                    return true;
+                }
+                let slot = self.slot(write.place);
+                // Where other lanes keep a value its shape must be theirs.
+                slot.value
+                    .as_ref()
+                    .is_none_or(|v| v.shape == write.shape || slot.defined.is_subset(mask, width))
+            })
     }
 
     fn make_plan(&mut self, stmts: &'r [Stmt], mask: &Mask) -> Option<Plan> {

@@ -91,6 +91,7 @@ pub struct Scratch {
 }
 
 /// How far a gate is open.
+#[expect(clippy::large_enum_variant, reason = "a few, kept from strip to strip")]
 #[derive(Default)]
 enum Open {
     #[default]
@@ -209,7 +210,14 @@ impl Steps {
             steps.push(step);
         }
         let results = wanted.iter().map(|&cell| to.operand(cell)).collect();
-        Steps { steps, gates: used, known: to.known, strips: usize::from(to.strips), results, inputs: to.inputs }
+        Steps {
+            steps,
+            gates: used,
+            known: to.known,
+            strips: usize::from(to.strips),
+            results,
+            inputs: to.inputs,
+        }
     }
 
     /// The statements that the steps are of.
@@ -245,7 +253,9 @@ impl Steps {
         assert!(lanes <= STRIP);
         let Scratch { strips, gates, packed, bits, lists } = scratch;
         strips.resize(strips.len().max(self.strips), Strip::ZERO);
-        lists.extend(gates.drain(..).filter_map(|open| if let Open::For(_, of) = open { of.room() } else { None }));
+        lists.extend(
+            gates.drain(..).filter_map(|open| if let Open::For(_, of) = open { of.room() } else { None }),
+        );
         gates.resize_with(self.gates.len(), Open::default);
         let blocks = lanes.div_ceil(BLOCK);
         let whole = lanes.next_multiple_of(8);
@@ -271,6 +281,7 @@ impl Steps {
             let target = |i: u16| unsafe { &mut (&mut (*strips.add(usize::from(i))).0)[part.clone()] };
             let whole = whole.min(part.end * BLOCK) - part.start * BLOCK;
             match (some, &step.args[..], &step.out[..]) {
+                // The most frequent ones, without arrays longer than they need.
                 (None, &[a], &[out]) => step.op.run(isa, whole, &[find(a)], &mut [target(out)]),
                 (None, &[a, b], &[out]) => step.op.run(isa, whole, &[find(a), find(b)], &mut [target(out)]),
                 (None, &[a, b, c], &[out]) => {

@@ -39,7 +39,9 @@ impl Reads {
         }
         for stmt in block {
             match &stmt.kind {
-                StmtKind::Assign { place: to, path, op: None, value, .. } if *to == place && path.is_empty() => {
+                StmtKind::Assign { place: to, path, op: None, value, .. }
+                    if *to == place && path.is_empty() =>
+                {
                     let mut reads = Reads::default();
                     reads.expr(value);
                     return reads.count(i) == 0;
