@@ -136,14 +136,13 @@ impl<'r> Machine<'r> {
             return None;
         }
         let Builder { graph, reads: needed, inputs, outer, assigned, steps: rounds, calls, .. } = builder;
-        let here = Reads::of(&stmts[..count]);
         let mut cells: Vec<Cell> = Vec::new();
         let mut writes = Vec::new();
         for place in assigned {
             let Some(Val { shape, cells: of }) = outer.get(&place) else { continue };
             if self.wanted(place)
                 || needed.iter().any(|read| read.place == place)
-                || read_elsewhere(&reads, &here, place)
+                || !reads.temporary(&stmts[..count], place)
             {
                 writes.push(Write { place, shape: shape.clone(), first: cells.len() });
                 cells.extend(of);
@@ -315,14 +314,6 @@ impl Input<'_> {
                 Some(all[start..].as_chunks().0).filter(|blocks| blocks.len() * BLOCK >= lanes)
             }
         }
-    }
-}
-
-fn read_elsewhere(all: &Reads, here: &Reads, place: Place) -> bool {
-    match place {
-        Place::Global(i) => all.count(i) > here.count(i),
-        // A call's own variables are few.
-        Place::Local(_) => true,
     }
 }
 
