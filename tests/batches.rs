@@ -361,6 +361,44 @@ fn nans_are_alike() {
     );
 }
 
+/// Branches that a plan follows both ways, where lanes of all ways are mixed and where they lie side by side: calls that
+/// return early, costly functions, variables of one branch alone.
+#[test]
+fn mixed_branches_are_as_the_walk_has_them() {
+    let branches = "function fold(p, n)\n    q = abs(p) - 0.4\n    d = norm(q) - 0.2\n    if n == 1 || d > x\n        return d\n    \
+                    if d < 0\n        late = Noise(p)\n        if late > 0\n            return late\n    \
+                    return min(d, fold(1.5 * [q.y q.z q.x], n - 1) / 1.5)\n\
+                    if kind == 0\n    wave = sin(40 * x)\n    color = [wave wave ^ 3 wave % 2]\n\
+                    else if kind == 1\n    t = fold(p, 5)\n    color = [t Noise(8 * p) t]\n\
+                    else if kind < 3 && Noise(p) > 0\n    color = Dnoise(p)\n\
+                    else\n    cell = floor(6 * p)\n    \
+                    color = (cell.x + cell.y) % 2 == 0 ? [0.9 0.9 0.8] : [x y Noise(p)]\n";
+    let again = "color = 0\nfor i in [1 2 3]\n    if y > 0\n        if i > 1\n            color += mark\n        \
+                 mark = i * x + Noise(p)\n";
+    let image = image();
+    for text in [
+        format!("kind = abs(round(100 * p.x)) % 4\n{branches}"),
+        format!("kind = floor(pixel.x / 5) % 4\n{branches}"),
+        format!("kind = pixel.y % 40 == 0 ? 1 : 3\n{branches}"),
+        again.to_string(),
+    ] {
+        let program = Program::compile(&text).unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let run = |batch, no_optimize| {
+            let outputs = Some(vec!["color".to_string()]);
+            let options = RunOptions { batch: Some(batch), no_optimize, outputs, ..RunOptions::default() };
+            let report = program.run(&image, &options).unwrap_or_else(|e| panic!("{text}\n{e}"));
+            let planes = report.image.variables.iter().flat_map(|v| &v.planes);
+            let bits = |x: &f32| if x.is_nan() { 0x7fc0_0000 } else { x.to_bits() };
+            planes.map(|p| p.iter().map(bits).collect::<Vec<u32>>()).collect::<Vec<_>>()
+        };
+        let known = run(1, true);
+        for batch in [100, 512, 2048] {
+            assert!(run(batch, false) == known, "batch {batch}\n{text}");
+            assert!(run(batch, true) == known, "not optimized, batch {batch}\n{text}");
+        }
+    }
+}
+
 /// An error is that of the first pixel in reading order, wherever in the program it happens.
 #[test]
 fn the_first_pixel_in_error_is_reported() {

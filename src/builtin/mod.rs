@@ -116,6 +116,12 @@ pub enum Kernel {
     Shadowed(fn(&Call<'_>) -> Result<Value, Fault>),
 }
 
+/// Functions of a few instructions.
+const LIGHT: [&str; 18] = [
+    "abs", "sign", "floor", "ceil", "round", "trunc", "frac", "mod", "clamp", "sqrt", "isnan", "isinf",
+    "isfinite", "radians", "degrees", "step", "mix", "lerp",
+];
+
 /// A group of functions: a heading and its table, in the order of the documentation.
 pub struct Group {
     /// The heading.
@@ -207,6 +213,7 @@ impl Builtin {
             // The kinds of noise are what the minor parameters are for, and images what strings name.
             Kernel::Whole(_) if self.params.iter().any(|p| p.minor || p.kind == ParamKind::Text) => 32,
             Kernel::Whole(_) | Kernel::Shadowed(_) => 6,
+            _ if LIGHT.contains(&self.name) => 1,
             _ => 3,
         }
     }

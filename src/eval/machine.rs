@@ -168,6 +168,11 @@ impl<'r> Machine<'r> {
         self.optimize && self.counts.is_none() && !self.keeping
     }
 
+    /// May so many calls more be one inside of the other?
+    pub fn room_for_calls(&self, calls: usize) -> bool {
+        self.calls.len() + calls <= self.limits.depth as usize
+    }
+
     /// How wide the batch is.
     pub fn width(&self) -> Width {
         Width { n: self.n, isa: self.isa }

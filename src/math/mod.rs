@@ -18,7 +18,7 @@ mod trigonometric;
 pub use exponential::{exp, exp2, hypot, log, log2, log10, pow, sqrt};
 pub use hyperbolic::{cosh, sinh, tanh};
 pub use lanes::*;
-pub use round::{ceil, floor, frac, modulo, round, sign, trunc};
+pub use round::{ceil, floor, frac, modulo, modulo_of_power, round, sign, trunc};
 pub use trigonometric::{acos, asin, atan, atan2, cos, sin, tan};
 
 /// `c[0] + c[1] x + c[2] x² …`, by Horner's rule, without fused operations.

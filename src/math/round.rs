@@ -66,6 +66,16 @@ pub(super) fn modulo_near(a: f32, b: f32) -> f32 {
     finish_modulo(a, b, rest as f32)
 }
 
+/// [`modulo`] where `b` is a power of two, 1 to 2^100: quotient and product are exact.
+#[inline(always)]
+pub fn modulo_of_power(a: f32, b: f32) -> f32 {
+    let rest = a - (a / b).floor() * b;
+    // Where the quotient was too small to be told from 0.
+    let rest = if rest < 0.0 { rest + b } else { rest };
+    let rest = if rest >= b { f32::from_bits(b.to_bits().wrapping_sub(1)) } else { rest };
+    if rest == 0.0 { 0.0 } else { rest }
+}
+
 /// The remainder where the quotient is large: the loop of `fmod`.
 pub(super) fn modulo_far(a: f32, b: f32) -> f32 {
     let rest = libm::fmodf(a, b);

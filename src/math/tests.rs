@@ -212,6 +212,15 @@ fn modulo_is_pythons_and_below_its_divisor() {
         }
         assert!(ulps(got, truth) <= 0.5 + 1e-9, "{a:e} % {b:e} = {got:e}, not {truth:e}");
     }
+    for (a, b) in
+        awkward.iter().chain(&numbers).flat_map(|&a| [1.0, 2.0, 64.0, (1_u64 << 60) as f32].map(|b| (a, b)))
+    {
+        let (got, truth) = (modulo_of_power(a, b), modulo(a, b));
+        assert!(
+            got.to_bits() == truth.to_bits() || got.is_nan() && truth.is_nan(),
+            "{a:e} % {b:e} = {got:e}, not {truth:e}"
+        );
+    }
     assert_eq!((modulo(-1.0, 3.0), modulo(1.0, -3.0), modulo(-1e-20, 1.0)), (2.0, -2.0, 0.99999994));
     assert!(modulo(1.0, 0.0).is_nan() && modulo(f32::INFINITY, 1.0).is_nan());
     assert_eq!((modulo(5.0, f32::INFINITY), modulo(-5.0, f32::INFINITY)), (5.0, f32::INFINITY));

@@ -1,6 +1,7 @@
 //! The active lanes of a batch, strip by strip.
 
 use super::strip::{BLOCK, STRIP, Strip};
+use crate::lanes::Isa;
 use crate::value::{Mask, Width};
 use smallvec::SmallVec;
 
@@ -24,9 +25,13 @@ impl Active {
         let Mask::Some(on) = mask else {
             return Active::All(if mask.is_none() { 0 } else { width.n });
         };
-        let bits = on.bits(width.n);
-        // All bits of a lane are alike: as numbers they are 0 and -1.
-        let (count, ends) = width.isa.run(|| {
+        Active::of_bits(on.bits(width.n), width.isa, list)
+    }
+
+    /// Those lanes of which all bits are set; of the others none is.
+    pub fn of_bits(bits: &[u32], isa: Isa, list: Vec<u32>) -> Active {
+        // As numbers they are 0 and -1.
+        let (count, ends) = isa.run(|| {
             let count = bits.iter().fold(0_u32, |count, bits| count.wrapping_sub(*bits));
             let ends = bits[1..].iter().zip(bits).fold(0_u32, |ends, (a, b)| ends.wrapping_sub(a ^ b));
             (count as usize, ends as usize)
@@ -42,8 +47,8 @@ impl Active {
         // One more for a lane that is off after the last that is on.
         list.resize(count + 1, 0);
         let mut at = 0;
-        for (lane, &bits) in bits.iter().enumerate() {
-            list[at] = lane as u32;
+        for (lane, &bits) in (0..).zip(bits) {
+            list[at] = lane;
             at += (bits & 1) as usize;
         }
         list.truncate(count);

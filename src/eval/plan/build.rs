@@ -6,7 +6,7 @@
 
 use super::graph::{Cell, Cells, Graph};
 use super::op::Op;
-use super::strip::zip;
+use super::wanted::Reads;
 use crate::eval::machine::Machine;
 use crate::resolve::tree::*;
 use crate::shape::Shape;
@@ -21,9 +21,6 @@ const ROUNDS: u32 = 8192;
 const CELLS: usize = 1024;
 /// How deep calls are followed.
 const DEPTH: usize = 16;
-/// The most work in a block of which only some lanes want the result: more is left to them alone.
-const SPARE: u32 = 24;
-
 /// It is left to the evaluator.
 pub struct GiveUp;
 
@@ -77,17 +74,28 @@ pub struct Read {
     pub value: Val,
 }
 
-/// How a statement ends.
+/// How a statement ends, in all lanes that reach it but those of which [`Frame::returned`] tells.
+#[derive(PartialEq)]
 pub enum Flow {
     On,
     Break,
     Continue,
-    Return(Val),
+    Return,
+}
+
+/// A call that is followed.
+#[derive(Default)]
+pub struct Frame {
+    pub variables: HashMap<Place, Val>,
+    /// Where the call has returned, in the lanes of the statements that are followed: not 0 in those that have; and what.
+    pub returned: Option<(Cell, Val)>,
 }
 
 pub struct Builder<'m, 'r> {
     pub machine: &'m mut Machine<'r>,
     pub mask: &'m Mask,
+    /// What the whole program reads.
+    pub all: &'m Reads,
     pub graph: Graph,
     /// What is read from outside.
     pub reads: Vec<Read>,
@@ -95,22 +103,25 @@ pub struct Builder<'m, 'r> {
     pub inputs: Vec<(usize, usize)>,
     /// The variables of the statements' own level.
     pub outer: HashMap<Place, Val>,
-    /// Those of calls that are followed.
-    frames: Vec<HashMap<Place, Val>>,
+    /// The calls that are followed.
+    pub frames: Vec<Frame>,
     /// What is assigned, in order.
     pub assigned: Vec<Place>,
     /// Rounds of loops and calls, as the evaluator counts them.
     pub steps: u32,
     /// How deep expressions nest.
     pub depth: usize,
+    /// How deep calls were followed.
+    pub calls: usize,
 }
 
 impl<'m, 'r> Builder<'m, 'r> {
-    pub fn new(machine: &'m mut Machine<'r>, mask: &'m Mask) -> Builder<'m, 'r> {
+    pub fn new(machine: &'m mut Machine<'r>, mask: &'m Mask, all: &'m Reads) -> Builder<'m, 'r> {
         let graph = Graph::new(machine.isa);
         Builder {
             machine,
             mask,
+            all,
             graph,
             reads: Vec::new(),
             inputs: Vec::new(),
@@ -119,6 +130,7 @@ impl<'m, 'r> Builder<'m, 'r> {
             assigned: Vec::new(),
             steps: 0,
             depth: 0,
+            calls: 0,
         }
     }
 
@@ -134,6 +146,7 @@ impl<'m, 'r> Builder<'m, 'r> {
                 self.inputs.truncate(inputs);
                 self.assigned.truncate(assigned);
                 self.frames.clear();
+                self.graph.guard = None;
                 self.steps = steps;
                 return i;
             }
@@ -141,11 +154,14 @@ impl<'m, 'r> Builder<'m, 'r> {
         stmts.len()
     }
 
-    fn block(&mut self, stmts: &'r [Stmt]) -> Result<Flow, GiveUp> {
-        for stmt in stmts {
+    pub fn block(&mut self, stmts: &'r [Stmt]) -> Result<Flow, GiveUp> {
+        for (i, stmt) in stmts.iter().enumerate() {
             match self.stmt(stmt)? {
                 Flow::On => {}
                 left => return Ok(left),
+            }
+            if let Some((where_, value)) = self.returned() {
+                return self.others(&stmts[i + 1..], where_, value);
             }
         }
         Ok(Flow::On)
@@ -181,8 +197,9 @@ impl<'m, 'r> Builder<'m, 'r> {
                 match self.block(body)? {
                     Flow::On | Flow::Continue => {}
                     Flow::Break => return Ok(Flow::On),
-                    left => return Ok(left),
+                    Flow::Return => return Ok(Flow::Return),
                 }
+                self.all_on()?;
             },
             StmtKind::For(place, vector, body) => {
                 let vector = self.expr(vector)?;
@@ -192,16 +209,23 @@ impl<'m, 'r> Builder<'m, 'r> {
                     match self.block(body)? {
                         Flow::On | Flow::Continue => {}
                         Flow::Break => break,
-                        left => return Ok(left),
+                        Flow::Return => return Ok(Flow::Return),
                     }
+                    self.all_on()?;
                 }
                 Ok(Flow::On)
             }
             StmtKind::Break => Ok(Flow::Break),
             StmtKind::Continue => Ok(Flow::Continue),
             // The statements' own function is the evaluator's to leave.
-            StmtKind::Return(e) if !self.frames.is_empty() => Ok(Flow::Return(self.expr(e)?)),
-            StmtKind::Return(_) | StmtKind::Expr(_) => Err(GiveUp),
+            StmtKind::Return(e) => {
+                let value = self.expr(e)?;
+                // The statements' own function is the evaluator's to leave.
+                let frame = self.frames.last_mut().ok_or(GiveUp)?;
+                frame.returned = Some((Cell::number(1.0), value));
+                Ok(Flow::Return)
+            }
+            StmtKind::Expr(_) => Err(GiveUp),
         }
     }
 
@@ -209,76 +233,6 @@ impl<'m, 'r> Builder<'m, 'r> {
     fn decided(&mut self, condition: &'r Expr) -> Result<bool, GiveUp> {
         let cell = self.expr(condition)?.as_scalar()?;
         Ok(cell.known().ok_or(GiveUp)? != 0.0)
-    }
-
-    fn branch(&mut self, arms: &'r [(Expr, Block)], otherwise: &'r Block) -> Result<Flow, GiveUp> {
-        let Some(((condition, block), rest)) = arms.split_first() else {
-            return self.block(&otherwise.stmts);
-        };
-        let cell = self.expr(condition)?.as_scalar()?;
-        match cell.known() {
-            Some(0.0) => self.branch(rest, otherwise),
-            Some(_) => self.block(&block.stmts),
-            None => {
-                let work = |block: &Block| block.effects.work;
-                if rest.iter().map(|(_, b)| work(b)).chain([work(block), work(otherwise)]).sum::<u32>()
-                    > SPARE
-                {
-                    return Err(GiveUp);
-                }
-                // Both ways, and of each number the one that its lane wants.
-                let before = self.variables().clone();
-                let Flow::On = self.block(&block.stmts)? else { return Err(GiveUp) };
-                let yes = std::mem::replace(self.variables(), before);
-                let Flow::On = self.branch(rest, otherwise)? else { return Err(GiveUp) };
-                let no = self.variables().clone();
-                *self.variables() = self.either(cell, yes, no)?;
-                Ok(Flow::On)
-            }
-        }
-    }
-
-    /// Of the variables that are assigned on two ways, the value of the way that each lane took.
-    fn either(
-        &mut self,
-        condition: Cell,
-        yes: HashMap<Place, Val>,
-        no: HashMap<Place, Val>,
-    ) -> Result<HashMap<Place, Val>, GiveUp> {
-        // In a fixed order: what is met first is computed first.
-        let mut places: Vec<Place> = yes.keys().chain(no.keys()).copied().collect();
-        places.sort_unstable();
-        places.dedup();
-        let mut both = HashMap::with_capacity(places.len());
-        for place in places {
-            // Assigned on one way alone, it is on the other what it was before.
-            let mut of = |way: &HashMap<Place, Val>| match way.get(&place) {
-                Some(value) => Ok(value.clone()),
-                None => self.find(place),
-            };
-            let (a, b) = (of(&yes)?, of(&no)?);
-            let value = if a == b { a } else { self.select(condition, &a, &b)? };
-            both.insert(place, value);
-        }
-        Ok(both)
-    }
-
-    /// `condition ? a : b`.
-    pub fn select(&mut self, condition: Cell, a: &Val, b: &Val) -> Result<Val, GiveUp> {
-        // A pixel decides for its shadows, which a plan knows nothing of.
-        if a.shape != b.shape || self.machine.shadowed() {
-            return Err(GiveUp);
-        }
-        let cells = a.cells.iter().zip(&b.cells).map(|(&a, &b)| {
-            if a == b {
-                return a;
-            }
-            self.graph.one(
-                Op::Zip(|isa, args, out| zip(isa, args, out, |[c, a, b]| if c != 0.0 { a } else { b })),
-                &[condition, a, b],
-            )
-        });
-        Ok(Val { shape: a.shape.clone(), cells: cells.collect() })
     }
 
     fn assign(
@@ -328,8 +282,8 @@ impl<'m, 'r> Builder<'m, 'r> {
     }
 
     /// The variables of the innermost call that is followed, or of the statements' own level.
-    fn variables(&mut self) -> &mut HashMap<Place, Val> {
-        self.frames.last_mut().unwrap_or(&mut self.outer)
+    pub fn variables(&mut self) -> &mut HashMap<Place, Val> {
+        self.frames.last_mut().map_or(&mut self.outer, |frame| &mut frame.variables)
     }
 
     fn set(&mut self, place: Place, value: Val) -> Result<(), GiveUp> {
@@ -352,7 +306,7 @@ impl<'m, 'r> Builder<'m, 'r> {
     }
 
     /// The value of a variable that the calls and statements that are followed have not assigned.
-    fn find(&mut self, place: Place) -> Result<Val, GiveUp> {
+    pub fn find(&mut self, place: Place) -> Result<Val, GiveUp> {
         if !self.frames.is_empty() {
             // Calls read outer variables, and have no other locals than their own.
             let Place::Global(_) = place else { return Err(GiveUp) };
@@ -397,18 +351,22 @@ impl<'m, 'r> Builder<'m, 'r> {
     /// A call of a function of the language.
     pub fn call(&mut self, f: u32, args: &'r [Expr]) -> Result<Val, GiveUp> {
         let function = &self.machine.program.functions[f as usize];
-        let mut frame = HashMap::new();
+        let mut frame = Frame::default();
         for (i, arg) in args.iter().enumerate() {
-            frame.insert(Place::Local(i as u32), self.expr(arg)?);
+            frame.variables.insert(Place::Local(i as u32), self.expr(arg)?);
         }
         self.round()?;
-        if self.frames.len() >= DEPTH {
+        if self.frames.len() >= DEPTH || !self.machine.room_for_calls(self.frames.len() + 1) {
             return Err(GiveUp);
         }
         self.frames.push(frame);
+        self.calls = self.calls.max(self.frames.len());
         let flow = self.block(&function.body)?;
-        self.frames.pop();
-        if let Flow::Return(value) = flow { Ok(value) } else { Err(GiveUp) }
+        let returned = self.frames.pop().and_then(|frame| frame.returned);
+        match returned {
+            Some((_, value)) if flow == Flow::Return => Ok(value),
+            _ => Err(GiveUp),
+        }
     }
 
     /// The cells of several values that are to meet: a scalar with each component of a vector.

@@ -2,7 +2,7 @@
 
 use super::build::{Builder, GiveUp, Val};
 use super::graph::{Cell, Cells, Graph};
-use super::op::{Arith, Op};
+use super::op::{Arith, Cost, Op};
 use super::strip::{Zip, zip};
 use crate::builtin::{self, Builtin, Kernel, Octaves};
 use crate::resolve::tree::Expr;
@@ -20,17 +20,18 @@ impl<'r> Builder<'_, 'r> {
         for arg in args {
             values.push(self.expr(arg)?);
         }
+        let cost = if builtin.work() > 1 { Cost::Heavy } else { Cost::Light };
         match builtin.kernel {
-            Kernel::Map1(kernel) => self.meet([&values[0]], |graph, a| graph.one(Op::Map1(kernel), &a)),
+            Kernel::Map1(kernel) => self.meet([&values[0]], |graph, a| graph.one(Op::Map1(kernel, cost), &a)),
             Kernel::Map2(kernel) => {
-                self.meet([&values[0], &values[1]], |graph, args| graph.one(Op::Map2(kernel), &args))
+                self.meet([&values[0], &values[1]], |graph, args| graph.one(Op::Map2(kernel, cost), &args))
             }
             Kernel::Map3(kernel) => self
                 .meet([&values[0], &values[1], &values[2]], |graph, args| graph.one(Op::Map3(kernel), &args)),
             Kernel::Fold(kernel) => {
                 let mut sum = values[0].clone();
                 for next in &values[1..] {
-                    sum = self.meet([&sum, next], |graph, args| graph.one(Op::Map2(kernel), &args))?;
+                    sum = self.meet([&sum, next], |graph, args| graph.one(Op::Map2(kernel, cost), &args))?;
                 }
                 Ok(sum)
             }

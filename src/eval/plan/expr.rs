@@ -2,7 +2,7 @@
 
 use super::build::{Builder, GiveUp, MOST, Val};
 use super::graph::{Cell, Cells};
-use super::op::{Arith, Op};
+use super::op::{Arith, Cost, Op};
 use super::strip::{Zip, zip};
 use crate::math;
 use crate::resolve::tree::*;
@@ -16,12 +16,16 @@ fn truth(condition: bool) -> f32 {
     if condition { 1.0 } else { 0.0 }
 }
 
+/// Or is it one with a minus before it?
+fn power_of_two(x: f32) -> bool {
+    x.is_normal() && x.to_bits() & 0x7f_ffff == 0
+}
+
 /// The power of two that dividing by this number can be done by multiplying with, exactly.
 fn reciprocal(cell: Cell) -> Option<Cell> {
     let x = cell.known()?;
-    let power = x.is_normal() && x.to_bits() & 0x7f_ffff == 0;
     let inverse = 1.0 / x;
-    (power && inverse.is_normal()).then(|| Cell::number(inverse))
+    (power_of_two(x) && inverse.is_normal()).then(|| Cell::number(inverse))
 }
 
 impl<'r> Builder<'_, 'r> {
@@ -73,7 +77,8 @@ impl<'r> Builder<'_, 'r> {
                     Some(0.0) => self.expr(b),
                     Some(_) => self.expr(a),
                     None => {
-                        let (a, b) = (self.expr(a)?, self.expr(b)?);
+                        let a = self.under(condition, true, |builder| builder.expr(a))?;
+                        let b = self.under(condition, false, |builder| builder.expr(b))?;
                         self.select(condition, &a, &b)
                     }
                 }
@@ -106,7 +111,7 @@ impl<'r> Builder<'_, 'r> {
         if base.shape.len().is_none_or(|n| i >= n) { Err(GiveUp) } else { Ok(base.element(i)) }
     }
 
-    /// `a && b` or `a || b`. What is left to be told apart by `b` is computed in all lanes.
+    /// `a && b` or `a || b`.
     pub fn logical(&mut self, op: BinaryOp, a: &Val, b: &'r Expr) -> Result<Val, GiveUp> {
         let a = a.as_scalar()?;
         match (op, a.known()) {
@@ -114,11 +119,11 @@ impl<'r> Builder<'_, 'r> {
             (BinaryOp::Or, Some(x)) if x != 0.0 => return Ok(Val::number(1.0)),
             _ => {}
         }
-        // A pixel decides for its shadows, which a plan knows nothing of.
-        if self.machine.shadowed() {
-            return Err(GiveUp);
-        }
-        let b = self.expr(b)?.as_scalar()?;
+        let b = match a {
+            Cell::Known(_) => self.expr(b)?,
+            Cell::Result(_) => self.under(a, op == BinaryOp::And, |builder| builder.expr(b))?,
+        };
+        let b = b.as_scalar()?;
         let kernel: Zip = match op {
             BinaryOp::And => |isa, args, out| zip(isa, args, out, |[a, b]| truth((a != 0.0) & (b != 0.0))),
             _ => |isa, args, out| zip(isa, args, out, |[a, b]| truth((a != 0.0) | (b != 0.0))),
@@ -139,8 +144,19 @@ impl<'r> Builder<'_, 'r> {
                     None => graph.one(Op::Zip(OVER), &[a, b]),
                 });
             }
-            BinaryOp::Rem => |isa, args, out| zip(isa, args, out, |[a, b]| math::modulo(a, b)),
-            BinaryOp::Pow => |isa, args, out| zip(isa, args, out, |[a, b]| math::pow(a, b)),
+            BinaryOp::Rem => {
+                const POWER: Zip = |isa, args, out| zip(isa, args, out, |[a, b]| math::modulo_of_power(a, b));
+                return self.meet([a, b], |graph, [a, b]| match b.known() {
+                    Some(x) if power_of_two(x) && (1.0..1e30).contains(&x) => {
+                        graph.one(Op::Zip(POWER), &[a, b])
+                    }
+                    _ => graph.one(Op::Map2(math::modulo_lanes, Cost::Heavy), &[a, b]),
+                });
+            }
+            BinaryOp::Pow => {
+                const POW: Zip = |isa, args, out| zip(isa, args, out, |[a, b]| math::pow(a, b));
+                return self.meet([a, b], |graph, [a, b]| graph.one(Op::Costly(POW), &[a, b]));
+            }
             BinaryOp::Eq => |isa, args, out| zip(isa, args, out, |[a, b]| truth(a == b)),
             BinaryOp::Ne => |isa, args, out| zip(isa, args, out, |[a, b]| truth(a != b)),
             BinaryOp::Lt => |isa, args, out| zip(isa, args, out, |[a, b]| truth(a < b)),

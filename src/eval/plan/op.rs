@@ -17,6 +17,13 @@ pub enum Arith {
 /// The most arguments of a step: those of a sum of octaves in four dimensions.
 pub const ARGUMENTS: usize = 12;
 
+/// Is it worth while to gather the lanes that want it?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    Light,
+    Heavy,
+}
+
 /// What a step computes.
 #[derive(Clone)]
 pub enum Op {
@@ -32,9 +39,11 @@ pub enum Op {
     Right(Arith, Arith),
     /// Lane by lane.
     Zip(Zip),
+    /// Likewise, but costly.
+    Costly(Zip),
     /// The kernels of built-in functions.
-    Map1(fn(Isa, &[f32], &mut [f32])),
-    Map2(Lanes2),
+    Map1(fn(Isa, &[f32], &mut [f32]), Cost),
+    Map2(Lanes2, Cost),
     Map3(Lanes3),
     /// The noise at a point.
     Noise(Arc<dyn Field>),
@@ -61,8 +70,9 @@ impl Op {
             Op::Left(a, b) => Key(2, 0, Some((*a, *b))),
             Op::Right(a, b) => Key(3, 0, Some((*a, *b))),
             Op::Zip(f) => Key(4, *f as usize, None),
-            Op::Map1(f) => Key(5, *f as usize, None),
-            Op::Map2(f) => Key(6, *f as usize, None),
+            Op::Costly(f) => Key(12, *f as usize, None),
+            Op::Map1(f, _) => Key(5, *f as usize, None),
+            Op::Map2(f, _) => Key(6, *f as usize, None),
             Op::Map3(f) => Key(7, *f as usize, None),
             Op::Noise(field) => Key(8, address(field), None),
             Op::Derivative(field) => Key(9, address(field), None),
@@ -75,8 +85,34 @@ impl Op {
     pub fn takes_blocks(&self) -> bool {
         matches!(
             self,
-            Op::Fill | Op::Arith(_) | Op::Left(..) | Op::Right(..) | Op::Zip(_) | Op::Map2(_) | Op::Curve(_)
+            Op::Fill
+                | Op::Arith(_)
+                | Op::Left(..)
+                | Op::Right(..)
+                | Op::Zip(_)
+                | Op::Costly(_)
+                | Op::Map2(..)
+                | Op::Curve(_)
         )
+    }
+
+    /// Does it cost more than to gather the lanes that want it, and to scatter them again?
+    pub fn cost(&self) -> Cost {
+        match self {
+            Op::Map1(_, cost) | Op::Map2(_, cost) => *cost,
+            Op::Costly(_) | Op::Noise(_) | Op::Derivative(_) | Op::Octaves(_) | Op::Curve(_) => Cost::Heavy,
+            _ => Cost::Light,
+        }
+    }
+
+    /// The same, with its kernel found.
+    pub fn settled(self) -> Op {
+        match self {
+            Op::Arith(a) => Op::Zip(arith(a)),
+            Op::Left(a, b) => Op::Zip(left(a, b)),
+            Op::Right(a, b) => Op::Zip(right(a, b)),
+            op => op,
+        }
     }
 
     /// Computes so many lanes (a multiple of 8): `out` has room for all blocks that hold some of them.
@@ -90,9 +126,11 @@ impl Op {
             Op::Arith(a) => arith(*a)(isa, args, out[0]),
             Op::Left(a, b) => left(*a, *b)(isa, args, out[0]),
             Op::Right(a, b) => right(*a, *b)(isa, args, out[0]),
-            Op::Zip(f) => f(isa, args, out[0]),
-            Op::Map1(f) => f(isa, &args[0].as_flattened()[..lanes], &mut out[0].as_flattened_mut()[..lanes]),
-            Op::Map2(f) => {
+            Op::Zip(f) | Op::Costly(f) => f(isa, args, out[0]),
+            Op::Map1(f, _) => {
+                f(isa, &args[0].as_flattened()[..lanes], &mut out[0].as_flattened_mut()[..lanes])
+            }
+            Op::Map2(f, _) => {
                 f(
                     isa,
                     operand(args[0], lanes),

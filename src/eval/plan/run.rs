@@ -35,6 +35,8 @@ pub struct Plan {
     writes: Vec<Write>,
     /// Rounds of loops and calls.
     rounds: u32,
+    /// How deep calls go.
+    calls: usize,
 }
 
 struct Write {
@@ -99,24 +101,28 @@ impl<'r> Machine<'r> {
             (Plane::Varying(_), None) => true,
             _ => false,
         };
-        plan.reads.iter().all(|read| {
-            if let Some((variable, _)) = self.untouched(read.place) {
-                return variable.shape == read.value.shape
-                    && read.value.cells.iter().all(|c| c.known().is_none());
-            }
-            let slot = self.slot(read.place);
-            slot.value.as_ref().is_some_and(|value| {
-                value.shape == read.value.shape
-                    && value.planes.iter().zip(&read.value.cells).all(|(p, c)| same(p, c))
-            }) && mask.is_subset(&slot.defined, width)
-        }) && plan.writes.iter().all(|write| {
-            if let Mask::All = mask {
-                return true;
-            }
-            let slot = self.slot(write.place);
-            // Where other lanes keep a value its shape must be theirs.
-            slot.value.as_ref().is_none_or(|v| v.shape == write.shape || slot.defined.is_subset(mask, width))
-        })
+        self.room_for_calls(plan.calls)
+            && plan.reads.iter().all(|read| {
+                if let Some((variable, _)) = self.untouched(read.place) {
+                    return variable.shape == read.value.shape
+                        && read.value.cells.iter().all(|c| c.known().is_none());
+                }
+                let slot = self.slot(read.place);
+                slot.value.as_ref().is_some_and(|value| {
+                    value.shape == read.value.shape
+                        && value.planes.iter().zip(&read.value.cells).all(|(p, c)| same(p, c))
+                }) && mask.is_subset(&slot.defined, width)
+            })
+            && plan.writes.iter().all(|write| {
+                if let Mask::All = mask {
+                    return true;
+                }
+                let slot = self.slot(write.place);
+                // Where other lanes keep a value its shape must be theirs.
+                slot.value
+                    .as_ref()
+                    .is_none_or(|v| v.shape == write.shape || slot.defined.is_subset(mask, width))
+            })
     }
 
     fn make_plan(&mut self, stmts: &'r [Stmt], mask: &Mask) -> Option<Plan> {
@@ -124,20 +130,19 @@ impl<'r> Machine<'r> {
             Some(reads) => reads.clone(),
             None => self.plans.reads.insert(Rc::new(Reads::of_program(self.program))).clone(),
         };
-        let mut builder = Builder::new(self, mask);
+        let mut builder = Builder::new(self, mask, &reads);
         let count = builder.follow(stmts);
         if count == 0 {
             return None;
         }
-        let Builder { graph, reads: needed, inputs, outer, assigned, steps: rounds, .. } = builder;
-        let here = Reads::of(&stmts[..count]);
+        let Builder { graph, reads: needed, inputs, outer, assigned, steps: rounds, calls, .. } = builder;
         let mut cells: Vec<Cell> = Vec::new();
         let mut writes = Vec::new();
         for place in assigned {
             let Some(Val { shape, cells: of }) = outer.get(&place) else { continue };
             if self.wanted(place)
                 || needed.iter().any(|read| read.place == place)
-                || read_elsewhere(&reads, &here, place)
+                || !reads.temporary(&stmts[..count], place)
             {
                 writes.push(Write { place, shape: shape.clone(), first: cells.len() });
                 cells.extend(of);
@@ -152,7 +157,7 @@ impl<'r> Machine<'r> {
                 (needed[variable].place, plane)
             })
             .collect();
-        Some(Plan { count, reads: needed, steps, inputs, writes, rounds })
+        Some(Plan { count, reads: needed, steps, inputs, writes, rounds, calls })
     }
 
     /// Runs a plan that fits, on the lanes of the mask. `first` is the first of its statements.
@@ -309,14 +314,6 @@ impl Input<'_> {
                 Some(all[start..].as_chunks().0).filter(|blocks| blocks.len() * BLOCK >= lanes)
             }
         }
-    }
-}
-
-fn read_elsewhere(all: &Reads, here: &Reads, place: Place) -> bool {
-    match place {
-        Place::Global(i) => all.count(i) > here.count(i),
-        // A call's own variables are few.
-        Place::Local(_) => true,
     }
 }
 

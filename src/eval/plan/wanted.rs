@@ -31,6 +31,13 @@ impl Reads {
         self.0.get(&global).copied().unwrap_or(0)
     }
 
+    /// Is an outer variable, of these counts, only read in this block, and each time assigned there before? In a loop
+    /// another round could read it otherwise.
+    pub fn temporary(&self, block: &[Stmt], place: Place) -> bool {
+        let Place::Global(i) = place else { return false };
+        Reads::of(block).count(i) == self.count(i) && first(block, i) != Some(First::Read)
+    }
+
     fn add(&mut self, place: Place) {
         if let Place::Global(i) = place {
             *self.0.entry(i).or_default() += 1;
@@ -98,4 +105,50 @@ impl Reads {
             }
         }
     }
+}
+
+/// What happens to a variable first.
+#[derive(PartialEq)]
+enum First {
+    /// It is assigned, whatever way is taken.
+    Assigned,
+    /// On some way it is read.
+    Read,
+}
+
+/// What happens first to an outer variable; `None` if it may be that nothing does, and it is not read before that.
+fn first(stmts: &[Stmt], global: u32) -> Option<First> {
+    let reads = |e: &Expr| {
+        let mut reads = Reads::default();
+        reads.expr(e);
+        reads.count(global) > 0
+    };
+    let this = Place::Global(global);
+    stmts.iter().find_map(|stmt| match &stmt.kind {
+        StmtKind::Assign { place, path, op: None, value, .. } if *place == this && path.is_empty() => {
+            Some(if reads(value) { First::Read } else { First::Assigned })
+        }
+        StmtKind::If(arms, otherwise) => {
+            let mut always = true;
+            for block in arms.iter().map(|(_, block)| block).chain([otherwise]) {
+                match first(&block.stmts, global) {
+                    Some(First::Read) => return Some(First::Read),
+                    Some(First::Assigned) => {}
+                    None => always = false,
+                }
+            }
+            if arms.iter().any(|(condition, _)| reads(condition)) {
+                Some(First::Read)
+            } else {
+                always.then_some(First::Assigned)
+            }
+        }
+        // Maybe there is no round; each begins with an element.
+        StmtKind::For(place, vector, _) if *place == this => reads(vector).then_some(First::Read),
+        StmtKind::While(head, body, _) | StmtKind::For(_, head, body) => {
+            let read = reads(head) || first(body, global) == Some(First::Read);
+            read.then_some(First::Read)
+        }
+        _ => (Reads::of(std::slice::from_ref(stmt)).count(global) > 0).then_some(First::Read),
+    })
 }
