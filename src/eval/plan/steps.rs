@@ -261,6 +261,29 @@ impl Steps {
         let whole = lanes.next_multiple_of(8);
         for step in &self.steps {
             let strips = strips.as_mut_ptr();
+            // What most steps are has a short way of its own: it is felt where a program is many light operators.
+            if step.guard.is_none() && step.out.len() == 1 {
+                let find = |operand: Operand| match operand {
+                    Operand::Known(i) => std::slice::from_ref(&self.known[usize::from(i)]),
+                    Operand::Input(i) => &inputs[usize::from(i)][..blocks],
+                    // SAFETY: there are `self.strips` strips, and it is not the one that is written below.
+                    Operand::Strip(i) => unsafe { &(&(*strips.add(usize::from(i))).0)[..blocks] },
+                };
+                // SAFETY: likewise.
+                let out = unsafe { &mut (&mut (*strips.add(usize::from(step.out[0]))).0)[..blocks] };
+                match step.args[..] {
+                    [a] => step.op.run(isa, whole, &[find(a)], &mut [out]),
+                    [a, b] => step.op.run(isa, whole, &[find(a), find(b)], &mut [out]),
+                    [a, b, c] => step.op.run(isa, whole, &[find(a), find(b), find(c)], &mut [out]),
+                    _ => {
+                        let args: SmallVec<[&[Block]; ARGUMENTS]> =
+                            step.args.iter().map(|&a| find(a)).collect();
+                        step.op.run(isa, whole, &args, &mut [out]);
+                    }
+                }
+                after(step.of);
+                continue;
+            }
             let find = |operand: Operand, part: &Range<usize>| match operand {
                 Operand::Known(i) => std::slice::from_ref(&self.known[usize::from(i)]),
                 Operand::Input(i) => &inputs[usize::from(i)][part.clone()],
@@ -280,21 +303,11 @@ impl Steps {
             // SAFETY: likewise, and no other output of the step, as `Step::new` saw to.
             let target = |i: u16| unsafe { &mut (&mut (*strips.add(usize::from(i))).0)[part.clone()] };
             let whole = whole.min(part.end * BLOCK) - part.start * BLOCK;
-            match (some, &step.args[..], &step.out[..]) {
-                // The most frequent ones, without arrays longer than they need.
-                (None, &[a], &[out]) => step.op.run(isa, whole, &[find(a)], &mut [target(out)]),
-                (None, &[a, b], &[out]) => step.op.run(isa, whole, &[find(a), find(b)], &mut [target(out)]),
-                (None, &[a, b, c], &[out]) => {
-                    step.op.run(isa, whole, &[find(a), find(b), find(c)], &mut [target(out)]);
-                }
-                (some, args, out) => {
-                    let args: SmallVec<[&[Block]; ARGUMENTS]> = args.iter().map(|&arg| find(arg)).collect();
-                    let mut out: SmallVec<[&mut [Block]; RESULTS]> = out.iter().map(|&i| target(i)).collect();
-                    match some {
-                        None => step.op.run(isa, whole, &args, &mut out),
-                        Some(active) => run_alone(&step.op, isa, active, &args, &mut out, packed),
-                    }
-                }
+            let args: SmallVec<[&[Block]; ARGUMENTS]> = step.args.iter().map(|&arg| find(arg)).collect();
+            let mut out: SmallVec<[&mut [Block]; RESULTS]> = step.out.iter().map(|&i| target(i)).collect();
+            match some {
+                None => step.op.run(isa, whole, &args, &mut out),
+                Some(active) => run_alone(&step.op, isa, active, &args, &mut out, packed),
             }
             after(step.of);
         }
