@@ -177,7 +177,8 @@ impl Program {
     /// The names that it reads and nothing in it assigns: what an image must have, or a constant's name.
     pub fn inputs(&self) -> impl Iterator<Item = &str> {
         let unassigned = |g: &&resolve::tree::Global| {
-            g.read.is_some() && g.assigned.is_none() && g.framed.is_none() && !g.library
+            let space = resolve::space_of(&g.name).is_some();
+            g.read.is_some() && g.assigned.is_none() && g.framed.is_none() && !g.library && !space
         };
         self.resolved.globals.iter().filter(unassigned).map(|g| g.name.as_str())
     }

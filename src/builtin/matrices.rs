@@ -303,7 +303,8 @@ pub static FUNCTIONS: &[Builtin] = &[
               less than m has rows is given a 1 at its end, and the result is divided by its last component \
               (perspective): so a matrix of 4 moves, turns and projects points in space, one of 3 points in the \
               plane. A vector with as many components as m has rows is just multiplied. Of a vector of points, each \
-              is moved.",
+              is moved. Instead of m there may stand the name of a space, or of two: `transform(\"camera\", p)`, \
+              `transform(\"object\", \"camera\", p)` (see *Spaces* in docs/language.md).",
         examples: &[
             ex("transform(translation([1 2 3]), [10 20 30])", "[11 22 33]"),
             ex("transform([[0 -1] [1 0]], [1 0])", "[0 1]"),

@@ -78,6 +78,7 @@ fn compute(
         frame,
         set: plan.set.clone(),
         pixelsize: args.pixelsize,
+        spaces: plan.spaces.clone(),
         outputs: plan.vars.clone(),
         threads: args.threads,
         batch: args.batch,

@@ -6,12 +6,14 @@ use super::pixels::Pixels;
 use super::pixelsize;
 use super::run::{Failure, Options, TEXTURE_MEMORY};
 use super::shadow::Neighbours;
+use super::spaces;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
 use crate::resolve::tree::*;
-use crate::resolve::{names, unreadable};
+use crate::resolve::{names, space_of, unreadable};
+use crate::shape::Shape;
 use crate::texture::Texture;
-use crate::value::{Mask, PixelValue, Value};
+use crate::value::{Lanes, Mask, PixelValue, Plane, Value};
 use smallvec::smallvec;
 use std::sync::Arc;
 
@@ -26,6 +28,8 @@ pub(super) enum Source<'r> {
     Uniform(PixelValue),
     /// A variable of the image.
     Input(&'r Variable<'r>),
+    /// `I`, the direction to a point from the eye.
+    Incident(&'r Variable<'r>, [f32; 3]),
     /// `pixel`.
     Position,
     /// `pixelsize`, one a pixel.
@@ -63,6 +67,11 @@ impl Source<'_> {
                 shape: variable.shape.clone(),
                 planes: variable.planes.iter().map(|p| pixels.gather(p)).collect(),
             },
+            Source::Incident(point, eye) => {
+                let planes: [Lanes; 3] =
+                    [0, 1, 2].map(|i| pixels.gather(&point.planes[i]).spread(pixels.len()));
+                incident(planes, *eye, pixels.len())
+            }
             Source::Position => {
                 let (width, [x, y]) = (bound.width.max(1), bound.origin);
                 let column = move |i: usize| (i % width) as f32 + x as f32 + 0.5;
@@ -74,6 +83,17 @@ impl Source<'_> {
         };
         Slot::full(value)
     }
+}
+
+/// The directions from the eye to points, of length 1.
+pub(super) fn incident(mut point: [Lanes; 3], eye: [f32; 3], n: usize) -> Value {
+    let [x, y, z] = point.each_mut().map(|plane| plane.get_mut(n));
+    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+        let d = [*x - eye[0], *y - eye[1], *z - eye[2]];
+        let inverse = crate::builtin::inverse((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt());
+        (*x, *y, *z) = (d[0] * inverse, d[1] * inverse, d[2] * inverse);
+    }
+    Value::vector(point.into_iter().map(Plane::Varying).collect())
 }
 
 impl Bound<'_> {
@@ -129,6 +149,7 @@ pub(super) fn bind<'r>(
         None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(image).into()),
         _ => None,
     };
+    let eye = if reads("eye") || reads("I") { spaces::eye(image, options) } else { None };
     let [columns, rows] = image.resolution();
     for (global, value) in program.globals.iter().zip(values) {
         let name = global.name.as_str();
@@ -141,12 +162,21 @@ pub(super) fn bind<'r>(
             Source::Input(variable)
         } else if let Some(constant) = names::constant(name) {
             Source::Uniform(constant_value(constant))
+        } else if let Some(space) = space_of(name) {
+            spaces::space(space, image, options).map_or(Source::Nowhere, Source::Uniform)
         } else {
             match (name, options.pixelsize, &size) {
                 ("frame", ..) => Source::Uniform(options.frame.into()),
                 ("begin_frame", ..) => Source::Uniform(0.0.into()),
                 ("resolution", ..) => Source::Uniform([columns as f32, rows as f32].into()),
                 ("pixel", ..) => Source::Position,
+                ("eye", ..) => eye.map_or(Source::Nowhere, |eye| Source::Uniform(eye.into())),
+                ("I", ..) => match (eye, image.variable("point")) {
+                    (Some(eye), Some(point)) if point.shape == Shape::Vector(3) => {
+                        Source::Incident(point, eye)
+                    }
+                    _ => Source::Nowhere,
+                },
                 ("pixelsize", Some(size), _) => Source::Uniform(size.into()),
                 ("pixel_freq", Some(size), _) => Source::Uniform((0.5 / size).into()),
                 ("pixelsize", None, Some(plane)) => Source::PixelSize(plane.clone()),
@@ -156,7 +186,12 @@ pub(super) fn bind<'r>(
         };
         bound.sources.push(source);
     }
-    let errors = missing_inputs(program, &bound);
+    let mut errors = missing_inputs(program, &bound);
+    for (global, source) in program.globals.iter().zip(&bound.sources) {
+        if let (Some(space), Some(span), Source::Nowhere) = (space_of(&global.name), global.read, source) {
+            errors.push(spaces::unknown(space, span, image, options));
+        }
+    }
     if errors.is_empty() { Ok(bound) } else { Err(Failure::Program(errors)) }
 }
 
@@ -235,6 +270,9 @@ fn frame_values(
         if let Some(value) = options.set_value(&global.name).filter(|_| !global.library) {
             return Source::Uniform(value.clone());
         }
+        if let Some(space) = space_of(&global.name) {
+            return spaces::space(space, image, options).map_or(Source::Nowhere, Source::Uniform);
+        }
         match (global.name.as_str(), names::constant(&global.name)) {
             (_, Some(constant)) => Source::Uniform(constant_value(constant)),
             ("frame", _) => Source::Uniform(options.frame.into()),
@@ -307,6 +345,7 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
             && global.assigned.is_none()
             && global.framed.is_none()
             && !global.library
+            && space_of(&global.name).is_none()
     };
     let known: Vec<&str> = program
         .globals

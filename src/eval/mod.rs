@@ -22,6 +22,7 @@ mod plan;
 mod profile;
 mod run;
 mod shadow;
+mod spaces;
 mod store;
 mod worker;
 

@@ -8,7 +8,7 @@ use super::profile::Profile;
 use super::shadow;
 use super::worker::{Stop, Worker};
 use crate::diagnostic::Diagnostic;
-use crate::image::{Image, Variable};
+use crate::image::{Image, Matrix4, Variable};
 use crate::lanes::Isa;
 use crate::resolve::Resolved;
 use crate::shape::Shape;
@@ -52,6 +52,8 @@ pub struct Options<'o> {
     pub set: Vec<(String, PixelValue)>,
     /// `pixelsize` at every pixel, instead of what `point` tells.
     pub pixelsize: Option<f32>,
+    /// Spaces by name: the matrix from the world, the space of `point`, to each. Points are columns.
+    pub spaces: Vec<(String, Matrix4)>,
     /// The variables to write; `None`: `color` (and `alpha`), or all that a program without colour assigns.
     pub outputs: Option<Vec<String>>,
     /// Threads; `None`: as many as rayon's current pool has.

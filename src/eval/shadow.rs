@@ -7,12 +7,12 @@
 //! differences between neighbouring pixels that had run by themselves; where the two had gone different ways they told
 //! nothing.)
 
-use super::bind::{Bound, Source};
+use super::bind::{Bound, Source, incident};
 use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use crate::image::Image;
 use crate::shape::Shape;
-use crate::value::{Lanes, Plane, Value};
+use crate::value::{Lanes, Plane, Planes, Value};
 use rayon::prelude::*;
 use smallvec::smallvec;
 use std::borrow::Cow;
@@ -113,6 +113,12 @@ impl Source<'_> {
                     })
                 };
                 Value::vector(smallvec![place(0), place(1)])
+            }
+            Source::Incident(point, eye) => {
+                let points = Source::Input(point).shadowed_slot(pixels, bound).value;
+                let planes = points.map_or(Planes::new(), |p| p.planes);
+                let of = |i: usize| planes.get(i).unwrap_or(&Plane::Uniform(0.0)).spread(LANES * count);
+                incident([of(0), of(1), of(2)], *eye, LANES * count)
             }
             // How the sizes of pixels change is not looked at.
             Source::PixelSize(_) | Source::PixelFreq(_) => {

@@ -40,6 +40,7 @@ mod build;
 pub use build::BuildError;
 
 use crate::shape::Shape;
+use exr::meta::attribute::AttributeValue;
 use std::borrow::Cow;
 
 /// An image in memory. Rows run from the top; a plane holds `width * height` numbers, row after row.
@@ -95,16 +96,38 @@ impl Default for Metadata {
     }
 }
 
+/// A matrix of four rows, for points that are columns.
+pub type Matrix4 = [[f32; 4]; 4];
+
 /// EXR header attributes that pass through from an input to an output, sorted by name.
 #[derive(Clone, Debug, Default)]
 pub struct Attributes {
-    pub(crate) list: Vec<(String, exr::meta::attribute::AttributeValue)>,
+    pub(crate) list: Vec<(String, AttributeValue)>,
 }
 
 impl Attributes {
     /// Names and values as text, for people.
     pub fn iter(&self) -> impl Iterator<Item = (&str, String)> {
         self.list.iter().map(|(name, value)| (name.as_str(), info::attribute_text(value)))
+    }
+
+    /// The matrix of that name. OpenEXR's points are rows; here they are columns.
+    pub fn matrix(&self, name: &str) -> Option<Matrix4> {
+        let (_, value) = self.list.iter().find(|(n, _)| n == name)?;
+        match value {
+            AttributeValue::Matrix4x4(m) => {
+                Some(std::array::from_fn(|row| std::array::from_fn(|column| m[column * 4 + row])))
+            }
+            _ => None,
+        }
+    }
+
+    /// Sets the matrix of that name, for points that are columns.
+    pub fn set_matrix(&mut self, name: &str, matrix: &Matrix4) {
+        let rows = std::array::from_fn(|i| matrix[i % 4][i / 4]);
+        self.list.retain(|(n, _)| n != name);
+        self.list.push((name.to_string(), AttributeValue::Matrix4x4(rows)));
+        self.list.sort_by(|a, b| a.0.cmp(&b.0));
     }
 }
 

@@ -78,6 +78,9 @@ impl Resolver<'_> {
             let function = library::function(entry, source);
             self.call_function(&function, index, true, args, span, scope)
         } else if let Some(builtin) = builtin::find(&name.text) {
+            if let Some(call) = self.space_call(builtin, args, span, scope) {
+                return call;
+            }
             self.call_builtin(builtin, args, span, scope)
         } else {
             for arg in args {

@@ -9,7 +9,7 @@ use crate::syntax::ast;
 
 impl Resolver<'_> {
     /// A variable that is read.
-    fn variable(&mut self, name: &str, span: Span, scope: &Scope) -> Place {
+    pub fn variable(&mut self, name: &str, span: Span, scope: &Scope) -> Place {
         if let Some(&slot) = scope.locals.as_ref().and_then(|l| l.get(name)) {
             return Place::Local(slot);
         }

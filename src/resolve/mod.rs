@@ -13,9 +13,11 @@ mod lower;
 mod rate;
 mod scope;
 mod several;
+mod spaces;
 mod texture;
 
 pub use library::{Entry, entries as library_entries};
+pub use spaces::space_of;
 pub use tree::Resolved;
 
 use crate::diagnostic::{Diagnostic, Sources};

@@ -64,7 +64,7 @@ pub fn is_system(name: &str) -> bool {
 
 /// Has it one value for the frame, unless something hides it?
 pub fn is_frame_constant(name: &str) -> bool {
-    constant(name).is_some() || FRAME.contains(&name)
+    constant(name).is_some() || FRAME.contains(&name) || super::space_of(name).is_some()
 }
 
 /// What a function of shading languages and Python is called here, as a sentence; those of the same name need none.

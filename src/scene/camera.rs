@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::ray::Ray;
+use crate::image::Matrix4;
 use glam::DVec3;
 
 /// The largest coordinate of an eye or look-at point, in unscaled world units; farther off, a scene is a dot.
@@ -57,6 +58,22 @@ impl Camera {
             None => (frame[0] / size[0]).max(frame[1] / size[1]),
         };
         Ok(Camera { eye, forward, right, up, step, size })
+    }
+
+    /// The matrices from the world, a scene so many times as large, to the camera and to the screen.
+    ///
+    /// The camera looks along -z, x to the right and y to the top. On the screen x goes from 0 at the left edge to 1
+    /// at the right one and y likewise from the bottom to the top; z is one over the depth.
+    pub fn spaces(&self, scale: f64) -> [Matrix4; 2] {
+        let row = |axis: DVec3| [axis.x, axis.y, axis.z, -axis.dot(self.eye * scale)];
+        let camera = [row(self.right), row(self.up), row(-self.forward), [0.0, 0.0, 0.0, 1.0]];
+        let depth = row(self.forward);
+        let across = |axis: usize| {
+            let width = self.step * self.size[axis];
+            std::array::from_fn(|i| camera[axis][i] / width + depth[i] / 2.0)
+        };
+        let screen: [[f64; 4]; 4] = [across(0), across(1), [0.0, 0.0, 0.0, 1.0], depth];
+        [camera, screen].map(|matrix| matrix.map(|row| row.map(|x| x as f32)))
     }
 
     /// The ray through a place of the picture; column and row count from the top left corner, pixel centres are at .5.

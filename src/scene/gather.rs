@@ -124,6 +124,9 @@ impl Renderer {
             })
             .collect();
         let mut metadata = Metadata::default();
+        let [camera, screen] = self.view.camera.spaces(self.view.scale);
+        metadata.attributes.set_matrix("worldToCamera", &camera);
+        metadata.attributes.set_matrix("worldToNDC", &screen);
         if rows != (0..height) {
             metadata.resolution = Some(self.size);
             metadata.origin[1] = rows.start as i32;

@@ -51,6 +51,9 @@ pub(in crate::cli) struct RunArgs {
     /// How far apart pixels lie in the space of point, instead of what point tells
     #[arg(long, value_name = "SIZE", help_heading = "Input")]
     pub pixelsize: Option<f32>,
+    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
+    #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
+    pub space: Vec<String>,
     /// The number of the frame
     #[arg(
         long,

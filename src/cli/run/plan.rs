@@ -5,9 +5,10 @@ use crate::cli::failure::Failure;
 use crate::cli::{frames, output, source};
 use crate::diagnostic::SourceId;
 use crate::eval::MAX_THREADS;
-use crate::image::{Format, same_file};
+use crate::image::{Format, Matrix4, same_file};
 use crate::lanes::Isa;
 use crate::program::{Program, RunOptions};
+use crate::shape::Shape;
 use crate::syntax;
 use crate::value::PixelValue;
 use std::path::{Path, PathBuf};
@@ -40,6 +41,8 @@ pub(super) struct Plan {
     pub program: Program,
     /// Values of params.
     pub set: Vec<(String, PixelValue)>,
+    /// Where named spaces are.
+    pub spaces: Vec<(String, Matrix4)>,
     /// The variables to write, if they were named.
     pub vars: Option<Vec<String>>,
     /// The variable that pictures show instead of color.
@@ -97,12 +100,15 @@ impl Plan {
         }
         let sized = reads_size(&program) && args.pixelsize.is_none();
         let near = sized || program.resolved().derivatives;
-        // What tells which neighbours count.
-        let looks = [("point", sized), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
+        // What tells which neighbours count, and where they are seen from.
+        let incident = program.inputs().any(|name| name == "I");
+        let looks =
+            [("point", sized || incident), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
         Ok(Plan {
             wanted: wanted(&program, vars.as_deref().unwrap_or_default(), looks),
             around: if near { 2 } else { 0 },
             set: args.set.iter().map(|s| set(s)).collect::<Result<_, _>>()?,
+            spaces: args.space.iter().map(|s| space(s)).collect::<Result<_, _>>()?,
             scene: scene(args)?,
             by_default: args.scene.is_none() && args.input.is_empty(),
             name,
@@ -227,18 +233,39 @@ fn wanted(program: &Program, vars: &[String], looks: impl Iterator<Item = &'stat
 
 /// `name=expression`: the name, and what the expression gives.
 fn set(text: &str) -> Result<(String, PixelValue), Failure> {
-    let form = "Write it as --set veins=6, or --set tint='[1 0.8 0.6]'.";
+    named_value("--set", text, "Write it as --set veins=6, or --set tint='[1 0.8 0.6]'.")
+}
+
+/// `name=matrix`: the name, and the matrix of four rows.
+fn space(text: &str) -> Result<(String, Matrix4), Failure> {
+    let form = "Write it as --space object='inverse(translation([0 0 1]))', the matrix from the world to it.";
+    let (name, value) = named_value("--space", text, form)?;
+    let rows = Shape::vector_of(&[Shape::Vector(4), Shape::Vector(4), Shape::Vector(4), Shape::Vector(4)]);
+    let (cells, rest) = value.cells().as_chunks::<4>();
+    match cells.try_into() {
+        Ok(matrix) if rest.is_empty() && *value.shape() == rows => Ok((name, matrix)),
+        _ => {
+            let message =
+                format!("--space {name}: a space is a matrix of 4 rows of 4, found {}", value.shape());
+            Err(Failure::usage(message).hint(form))
+        }
+    }
+}
+
+/// `name=expression` after an option: the name, and what the expression gives.
+fn named_value(option: &str, text: &str, form: &str) -> Result<(String, PixelValue), Failure> {
     let Some((name, expression)) = text.split_once('=') else {
-        return Err(Failure::usage(format!("--set {text} has no =")).hint(form));
+        return Err(Failure::usage(format!("{option} {text} has no =")).hint(form));
     };
     let (name, expression) = (name.trim(), expression.trim());
-    let program = source::compile(&format!("--set {name}"), expression, &[])?;
+    let program = source::compile(&format!("{option} {name}"), expression, &[])?;
     // Only then is the value that of `color`, whatever the names in it.
     if syntax::parse_expression(SourceId::default(), expression).is_none() {
-        return Err(Failure::usage(format!("--set {name}: `{expression}` is no value")).hint(form));
+        return Err(Failure::usage(format!("{option} {name}: `{expression}` is no value")).hint(form));
     }
     let values = program.eval_pixel(&[], &RunOptions::default())?;
     let value = values.into_iter().find(|(name, _)| name == "color").map(|(_, value)| value);
-    let value = value.ok_or_else(|| Failure::usage(format!("--set {name}: there is no value")).hint(form))?;
+    let value =
+        value.ok_or_else(|| Failure::usage(format!("{option} {name}: there is no value")).hint(form))?;
     Ok((name.to_string(), value))
 }

@@ -1,0 +1,62 @@
+//! Named spaces, and where the eye is: what a frame knows of its camera.
+
+use super::run::Options;
+use crate::diagnostic::{Diagnostic, Span};
+use crate::image::{Attributes, Image, Matrix4};
+use crate::resolve::names;
+use crate::value::PixelValue;
+
+/// The names under which renderers write the matrix from the world to a space; the first is OpenEXR's own.
+const ATTRIBUTES: [(&str, &[&str]); 2] =
+    [("camera", &["worldToCamera", "Nl"]), ("screen", &["worldToNDC", "worldToScreen", "NP"])];
+
+const WORLD: Matrix4 =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+/// The matrix from the world, the space of `point`, to that space: as it was set, or as the image's header has it.
+pub fn space(name: &str, image: &Image<'_>, options: &Options<'_>) -> Option<PixelValue> {
+    let set = options.spaces.iter().rev().find(|(n, _)| n == name);
+    let found = || match name {
+        "world" => Some(WORLD),
+        _ => of_header(name, &image.metadata.attributes),
+    };
+    set.map(|(_, matrix)| *matrix).or_else(found).map(|m| PixelValue::vector(m.map(PixelValue::from)))
+}
+
+fn of_header(name: &str, attributes: &Attributes) -> Option<Matrix4> {
+    let (_, written) = ATTRIBUTES.iter().find(|(space, _)| *space == name)?;
+    written.iter().find_map(|attribute| attributes.matrix(attribute))
+}
+
+/// The place of the eye in the world, if the camera is known: that which is the camera's origin.
+pub fn eye(image: &Image<'_>, options: &Options<'_>) -> Option<[f32; 3]> {
+    let set = options.spaces.iter().rev().find(|(n, _)| n == "camera").map(|(_, matrix)| *matrix);
+    let camera = set.or_else(|| of_header("camera", &image.metadata.attributes))?;
+    let rows = camera.map(|row| glam::DVec4::from_array(row.map(f64::from)));
+    let inverse = glam::DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose().inverse();
+    let eye = inverse.w_axis / inverse.w_axis.w;
+    eye.is_finite().then(|| eye.truncate().to_array().map(|x| x as f32))
+}
+
+/// The error of a space that is not known.
+pub fn unknown(name: &str, span: Span, image: &Image<'_>, options: &Options<'_>) -> Diagnostic {
+    let error = Diagnostic::error("space", format!("it is not known where the space \"{name}\" is"), span);
+    let mut known: Vec<&str> = vec!["world"];
+    known.extend(options.spaces.iter().map(|(name, _)| name.as_str()));
+    let headers = ATTRIBUTES.iter().map(|(space, _)| *space);
+    known.extend(headers.filter(|space| of_header(space, &image.metadata.attributes).is_some()));
+    known.sort_unstable();
+    known.dedup();
+    let near = names::nearest(name, known.iter().copied()).map(|near| format!("Did you mean \"{near}\"?"));
+    let error = near.into_iter().fold(error, Diagnostic::hint);
+    let error = match ATTRIBUTES.iter().find(|(space, _)| *space == name) {
+        Some((_, written)) => {
+            error.hint(format!("An EXR file tells it by the attribute {}; this input has none.", written[0]))
+        }
+        None => error,
+    };
+    let quoted: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
+    error
+        .hint(format!("Give the matrix from the world to it: `--space {name}='translation([0 0 1])'`."))
+        .hint(format!("Known: {}.", quoted.join(", ")))
+}
