@@ -37,11 +37,12 @@ pub struct Program {
 pub struct Compiler<'h> {
     host: &'h dyn Host,
     functions: HostFunctions,
+    value: Option<String>,
 }
 
 impl Default for Compiler<'_> {
     fn default() -> Self {
-        Compiler { host: &NoFiles, functions: HostFunctions::new() }
+        Compiler { host: &NoFiles, functions: HostFunctions::new(), value: None }
     }
 }
 
@@ -57,6 +58,13 @@ impl<'h> Compiler<'h> {
         self
     }
 
+    /// The value of the last expression that stands alone at the outer level is put into a variable of this name,
+    /// instead of `color` where nothing else assigns that.
+    pub fn value(mut self, name: &str) -> Compiler<'h> {
+        self.value = Some(name.to_string());
+        self
+    }
+
     /// Adds a function to the language; it hides a built-in one of the same name.
     pub fn function(mut self, function: HostFunction) -> Compiler<'h> {
         self.functions.insert(function.name().to_string(), Arc::new(function));
@@ -68,7 +76,7 @@ impl<'h> Compiler<'h> {
     /// # Errors
     /// Every fault that could be found in the text.
     pub fn compile(&self, name: &str, text: &str) -> Result<Program, Error> {
-        match resolve::resolve(name, text, self.host, &self.functions) {
+        match resolve::resolve(name, text, self.host, &self.functions, self.value.as_deref()) {
             Ok(resolved) => Ok(Program { resolved }),
             Err((diagnostics, sources)) => Err(Error { diagnostics, sources, cancelled: false }),
         }

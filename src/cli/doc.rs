@@ -78,16 +78,21 @@ pub(super) fn doc(args: &DocArgs) -> Result<(), Failure> {
 }
 
 fn explain(name: &str) -> Result<(), Failure> {
+    print(&text(name)?)
+}
+
+/// The explanation of a name.
+pub(super) fn text(name: &str) -> Result<String, Failure> {
     // People copy the brackets along.
     let name = name.trim().trim_end_matches("()");
     let entries = entries();
     if let Some(entry) = entries.iter().find(|e| e.name == name) {
-        return print(&reference::describe(entry));
+        return Ok(reference::describe(entry));
     }
     let groups = names_by_group();
     let others = || groups.iter().flat_map(|(title, lines)| lines.iter().map(move |l| (*title, l)));
     if let Some((title, (name, brief))) = others().find(|(_, (n, _))| *n == name) {
-        return print(&format!("{name}\n\n{brief}\n({title})\n"));
+        return Ok(format!("{name}\n\n{brief}\n({title})\n"));
     }
     let known = entries.iter().map(|e| e.name.as_str()).chain(others().map(|(_, (n, _))| *n));
     let failure = Failure::plain(format!("there is no function or name {name}"));

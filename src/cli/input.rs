@@ -164,6 +164,16 @@ impl Inputs {
         Ok(Inputs { list })
     }
 
+    /// The names of all variables that can be read, as programs call them.
+    pub fn variables(&self) -> Vec<String> {
+        let of = |opened: &Opened| {
+            let plain = opened.file.variables().iter().filter(|b| !b.alias && b.candidates.len() == 1);
+            let prefix = opened.name.as_ref().map_or(String::new(), |name| format!("{name}."));
+            plain.map(|b| format!("{prefix}{}", b.name)).collect::<Vec<_>>()
+        };
+        self.list.iter().flat_map(of).collect()
+    }
+
     /// Prepares to read what `wanted` names and the files have; a scene comes first.
     pub fn reader<'i>(
         &'i self,

@@ -16,6 +16,7 @@ mod noise;
 mod output;
 mod progress;
 mod region;
+mod repl;
 mod run;
 mod source;
 mod stats;
@@ -29,6 +30,7 @@ Examples:
   pse run -e 'white * Noise(8 * point)'        paint the built-in donut, into out.png
   pse run marble.pse -i gbuffer.exr -o a.png   run a program on a renderer's G-buffer
   pse run marble.pse --set veins=6 -o a.exr    set one of its params
+  pse repl --scene vase                        try things out line by line
   pse scene --list                             the built-in G-buffers
   pse info gbuffer.exr                         what is in a file, and what programs call it
   pse noise -o noise.png                       the kinds of noise, with their spectra
@@ -48,6 +50,8 @@ pub struct Cli {
 enum Command {
     /// Run a program at every pixel of an image
     Run(Box<run::RunArgs>),
+    /// Try out the language line by line
+    Repl(repl::ReplArgs),
     /// Write the G-buffer of a built-in scene, or list the scenes
     Scene(view::SceneArgs),
     /// Show the kinds of noise, with their spectra, or tell about them
@@ -70,6 +74,7 @@ enum Command {
 pub fn run(cli: Cli) -> ExitCode {
     let outcome = match cli.command {
         Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Repl(args)) => repl::repl(&args),
         Some(Command::Scene(args)) => view::scene(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Info(args)) => info::info(&args),

@@ -32,6 +32,8 @@ pub(super) struct Resolver<'a> {
     pub framed_calls: Vec<(u32, Span)>,
     /// The strings that were given to name something, with their places.
     pub texts: Vec<(String, Span)>,
+    /// The variable that has the value of the last outer expression, if it is not to be `color` alone.
+    pub value: Option<&'a str>,
 }
 
 impl<'a> Resolver<'a> {
@@ -49,6 +51,7 @@ impl<'a> Resolver<'a> {
             current: None,
             framed_calls: Vec::new(),
             texts: Vec::new(),
+            value: None,
         }
     }
 
@@ -219,14 +222,14 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// If nothing assigns `color`: the last outer expression is it; without one, a changed `normal` gives it.
+    /// If nothing assigns `color`, or another variable is to have it: the last outer expression is it; without one, a changed `normal` gives it.
     fn implicit_color(&mut self, body: &[ast::Stmt]) {
         let assigns = |r: &Resolver, name: &str| {
             r.ids
                 .get(&(false, name.to_string()))
                 .is_some_and(|&i| r.out.globals[i as usize].assigned.is_some())
         };
-        if assigns(self, "color") {
+        if assigns(self, "color") && self.value.is_none() {
             return;
         }
         let last = body.iter().rfind(|s| matches!(s.kind, ast::StmtKind::Expr(_)));
@@ -237,7 +240,7 @@ impl<'a> Resolver<'a> {
                 .iter()
                 .rposition(|s| s.span == last.span && matches!(s.kind, StmtKind::Expr(_)));
             if let Some(index) = index {
-                let slot = self.global("color", false);
+                let slot = self.global(self.value.unwrap_or("color"), false);
                 self.out.globals[slot as usize].assigned = Some(last.span);
                 let stmt = &mut self.out.body[index];
                 if let StmtKind::Expr(value) = &stmt.kind {
@@ -246,7 +249,7 @@ impl<'a> Resolver<'a> {
                     stmt.kind = StmtKind::Assign { place, name, path: Vec::new(), op: None, value };
                 }
             }
-        } else if assigns(self, "normal") {
+        } else if assigns(self, "normal") && !assigns(self, "color") {
             let id = self.sources.add("<picture by the normal>", "color = shown_by_normal(normal)");
             let parsed = crate::syntax::parse(id, &self.sources.get(id).text.clone());
             let slot = self.global("color", false);

@@ -44,11 +44,13 @@ pub fn resolve(
     text: &str,
     host: &dyn Host,
     functions: &HostFunctions,
+    value: Option<&str>,
 ) -> Result<Resolved, (Vec<Diagnostic>, Sources)> {
     let mut sources = Sources::default();
     let mut errors = Vec::new();
     let files = import::gather(name, text, &mut sources, host, &mut errors);
     let mut resolver = lower::Resolver::new(&mut sources, host, functions);
+    resolver.value = value;
     resolver.program(&files);
     let mut resolved = resolver.finish();
     let found = resolver.errors;

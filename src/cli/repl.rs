@@ -1,0 +1,162 @@
+//! `pse repl`: the language line by line, on an image.
+
+mod commands;
+mod line;
+mod picture;
+mod session;
+
+use super::failure::{Failure, warn};
+use super::input::{InputArg, Inputs, MapArg};
+use super::view::ViewArgs;
+use crate::image::Image;
+use crate::syntax::is_incomplete;
+use clap::Args;
+use line::{Editor, Read};
+use session::{CANCEL, Session};
+use std::io::{self, BufRead, IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+/// What the session works on.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  pse repl\n  pse repl -i gbuffer.exr\n  pse repl --scene vase marble.pse\n  \
+                        echo 'mean(point)' | pse repl\n\n\
+                        An expression is told at a pixel and over the image; other lines build up a program. \
+                        :help lists the commands. Without a terminal, lines are read and results printed, \
+                        without prompts and colours."
+)]
+pub(super) struct ReplArgs {
+    /// A program to begin with
+    program: Option<PathBuf>,
+    /// An image to work on. With NAME=, its variables are NAME.point, NAME.color, …
+    #[arg(short, long, value_name = "FILE|NAME=FILE")]
+    input: Vec<InputArg>,
+    /// A built-in scene to work on, the donut if nothing is given; see pse scene --list
+    #[arg(long, value_name = "NAME")]
+    scene: Option<String>,
+    /// Read a variable from other channels than the names suggest
+    #[arg(long, value_name = "NAME=CHANNELS")]
+    map: Vec<MapArg>,
+    /// Look for imported files and for textures in this folder too
+    #[arg(long, value_name = "DIR")]
+    path: Vec<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Runs a session until its end.
+pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
+    let (image, inputs) = load(args)?;
+    let mut session = Session::new(image, inputs, args.path.clone());
+    if let Some(program) = &args.program {
+        session.load(program)?;
+    }
+    match io::stdin().is_terminal() && io::stdout().is_terminal() {
+        true => at_terminal(session),
+        false => piped(session),
+    }
+}
+
+/// All that the inputs hold.
+fn load(args: &ReplArgs) -> Result<(Image<'static>, Inputs), Failure> {
+    let inputs = Inputs::open(&args.input, &args.map, false, None)?;
+    let plain = args.input.iter().any(|i| i.name.is_none());
+    let scene = match (&args.scene, plain) {
+        (Some(_), true) => {
+            return Err(Failure::usage("--scene and an image without a name are two inputs for one"));
+        }
+        (Some(name), false) => Some(args.view.renderer(name)?),
+        (None, true) => None,
+        (None, false) => Some(args.view.renderer("donut")?),
+    };
+    let names = inputs.variables();
+    let mut reader = inputs.reader(scene.as_ref(), &names)?;
+    let height = reader.about().height;
+    let image = reader.read(0..height)?;
+    drop(reader);
+    Ok((image, inputs))
+}
+
+/// With prompts, history and completion.
+fn at_terminal(mut session: Session) -> Result<(), Failure> {
+    // Without a handler the key would end the session, and not the run.
+    let _ = ctrlc::set_handler(|| CANCEL.store(true, Ordering::Relaxed));
+    let mut editor = Editor::new()?;
+    let about = session.about();
+    println!("pse {}: {about}. :help tells what there is, :quit ends.", env!("CARGO_PKG_VERSION"));
+    loop {
+        match editor.read(&session) {
+            Read::Text(text) => {
+                CANCEL.store(false, Ordering::Relaxed);
+                if !answer(&mut session, &text) {
+                    return Ok(());
+                }
+            }
+            Read::Again => {}
+            Read::End => return Ok(()),
+        }
+    }
+}
+
+/// Without any of it. The first error decides how the command ends.
+fn piped(mut session: Session) -> Result<(), Failure> {
+    let mut text = String::new();
+    let mut good = true;
+    let mut lines = io::stdin().lock().lines();
+    loop {
+        let line = lines.next().transpose().map_err(|e| Failure::plain(format!("cannot read: {e}")))?;
+        let end = line.is_none();
+        // A line that is no part of the block before it begins something new.
+        let indented = line.as_ref().is_some_and(|l| l.starts_with([' ', '\t']) || l.trim().is_empty());
+        let goes_on = |word: &str| line.as_ref().is_some_and(|l| l.split_whitespace().next() == Some(word));
+        let more = is_incomplete(text.trim_end_matches('\n')) && (indented || goes_on("else") || open(&text));
+        if !text.trim().is_empty() && (end || !more) {
+            good &= session.answer_errors(&text);
+            text.clear();
+            if session.ended {
+                break;
+            }
+        }
+        match line {
+            Some(line) => text += &(line + "\n"),
+            None => break,
+        }
+    }
+    if good { Ok(()) } else { Err(Failure::Said) }
+}
+
+/// Does a bracket wait for its end?
+fn open(text: &str) -> bool {
+    is_incomplete(&format!("{}\n\n\n", text.trim_end()))
+}
+
+/// Does what a text says; `false` at the session's end.
+fn answer(session: &mut Session, text: &str) -> bool {
+    session.answer_errors(text);
+    !session.ended
+}
+
+impl Session {
+    /// Does what a text says and tells what comes of it; `false` if that is an error.
+    fn answer_errors(&mut self, text: &str) -> bool {
+        match self.enter(text) {
+            Ok(said) => {
+                let mut out = io::stdout().lock();
+                // Nobody may read it any more.
+                let _ = out.write_all(said.as_bytes()).and_then(|()| out.flush());
+                true
+            }
+            Err(Failure::Said) => false,
+            Err(failure) => {
+                failure.report();
+                false
+            }
+        }
+    }
+}
+
+/// Says something about the work.
+fn note(text: &str) {
+    warn(text);
+}

@@ -1,0 +1,194 @@
+//! A session: a program that grows, and an image to try it on.
+
+use super::super::failure::Failure;
+use super::super::input::Inputs;
+use crate::diagnostic::SourceId;
+use crate::host::Disk;
+use crate::image::{Image, Variable};
+use crate::program::{Compiler, Program, RunOptions};
+use crate::syntax::{self, ast};
+use crate::value::PixelValue;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// Set by an interrupt: the run that is on ends, the session goes on.
+pub(super) static CANCEL: AtomicBool = AtomicBool::new(false);
+
+/// The variable that has the value of an expression.
+pub(super) const VALUE: &str = "it";
+
+/// What a session knows.
+pub(super) struct Session {
+    pub image: Image<'static>,
+    inputs: Inputs,
+    path: Vec<PathBuf>,
+    /// The program so far, as it was entered.
+    pub pieces: Vec<String>,
+    /// Values set from outside.
+    pub set: Vec<(String, PixelValue)>,
+    /// The pixel whose values are told: column and row of what the image holds.
+    pub pixel: [usize; 2],
+    /// How long the last run took.
+    pub took: Option<Duration>,
+    /// Has it come to its end?
+    pub ended: bool,
+}
+
+/// What a piece of text is.
+enum Piece {
+    Nothing,
+    /// An expression alone.
+    Expression,
+    /// Statements, perhaps with an expression at the end.
+    Statements {
+        last_expression: bool,
+        function: Option<String>,
+    },
+}
+
+impl Session {
+    pub fn new(image: Image<'static>, inputs: Inputs, path: Vec<PathBuf>) -> Session {
+        let pixel = [image.width / 2, image.height / 2];
+        Session { image, inputs, path, pieces: Vec::new(), set: Vec::new(), pixel, took: None, ended: false }
+    }
+
+    /// What it works on, in a few words.
+    pub fn about(&self) -> String {
+        let names: Vec<&str> = self.image.variables.iter().map(|v| v.name.as_str()).collect();
+        format!("{} x {} pixels with {}", self.image.width, self.image.height, names.join(", "))
+    }
+
+    /// The program so far.
+    pub fn program(&self) -> String {
+        self.pieces.concat()
+    }
+
+    /// Does what a text says: a command, an expression, or more of the program. Gives what to print.
+    pub fn enter(&mut self, text: &str) -> Result<String, Failure> {
+        if let Some(command) = text.trim().strip_prefix(':') {
+            return self.command(command);
+        }
+        let text = format!("{}\n", text.trim_end());
+        match piece(&text) {
+            Piece::Nothing => Ok(String::new()),
+            Piece::Expression => {
+                let program = self.compile(&(self.program() + &text))?;
+                self.value(&program)
+            }
+            Piece::Statements { last_expression, function } => {
+                let mut pieces = self.pieces.clone();
+                // A function that is defined again takes the place of the old one.
+                let same = |piece: &String| function.is_some() && self::function(piece) == function;
+                match pieces.iter_mut().find(|piece| same(piece)) {
+                    Some(old) => *old = text,
+                    None => pieces.push(text),
+                }
+                let program = self.compile(&pieces.concat())?;
+                // What goes wrong at the pixel is told now, and leaves the session as it was.
+                self.at_pixel(&program)?;
+                self.pieces = pieces;
+                if last_expression { self.value(&program) } else { Ok(String::new()) }
+            }
+        }
+    }
+
+    /// Takes a program's file for the program so far.
+    pub fn load(&mut self, path: &std::path::Path) -> Result<(), Failure> {
+        let (_, text) = super::super::source::read(path)?;
+        let text = format!("{}\n", text.trim_end());
+        let program = self.compile(&text)?;
+        self.at_pixel(&program)?;
+        self.pieces = vec![text];
+        Ok(())
+    }
+
+    /// Compiles a text.
+    pub fn compile(&self, text: &str) -> Result<Program, Failure> {
+        let host = Disk { path: self.path.clone() };
+        Ok(Compiler::new().host(&host).value(VALUE).compile("session", text)?)
+    }
+
+    /// What every variable holds at the pixel.
+    pub fn at_pixel(&self, program: &Program) -> Result<Vec<(String, PixelValue)>, Failure> {
+        let missing = |name: &str| self.inputs.missing(name);
+        let [column, row] = self.pixel;
+        Ok(program.eval_pixel_of(&self.image, column, row, &self.options(&missing))?)
+    }
+
+    /// Runs the program on the whole image, for one variable.
+    pub fn run(&mut self, program: &Program, name: &str) -> Result<Image<'static>, Failure> {
+        let missing = |name: &str| self.inputs.missing(name);
+        let options = RunOptions { outputs: Some(vec![name.into()]), ..self.options(&missing) };
+        let start = Instant::now();
+        let report = program.run(&self.image, &options)?;
+        self.took = Some(start.elapsed());
+        Ok(report.image)
+    }
+
+    fn options<'a>(&'a self, missing: &'a (dyn Fn(&str) -> Vec<String> + Sync)) -> RunOptions<'a> {
+        RunOptions {
+            set: self.set.clone(),
+            cancel: Some(&CANCEL),
+            missing: if self.inputs.list.is_empty() { None } else { Some(missing) },
+            ..RunOptions::default()
+        }
+    }
+
+    /// The value of the expression at the end: at the pixel, and over the image.
+    fn value(&mut self, program: &Program) -> Result<String, Failure> {
+        let values = self.at_pixel(program)?;
+        let here = values.into_iter().find(|(name, _)| name == VALUE).map(|(_, value)| value);
+        let image = self.run(program, VALUE)?;
+        let here = here.map_or("no value".to_string(), |value| value.to_string());
+        let Some(variable) = image.variable(VALUE) else { return Ok(format!("{here}\n")) };
+        let alike = variable.planes.iter().all(|p| p.iter().all(|x| x.to_bits() == p[0].to_bits()));
+        if alike {
+            return Ok(format!("{here}\n"));
+        }
+        let [column, row] = self.pixel;
+        let [x, y] = image.metadata.origin;
+        let (column, row) = (column as i64 + i64::from(x), row as i64 + i64::from(y));
+        Ok(format!("{here}  at [{column} {row}]\n{}", over_image(variable)))
+    }
+}
+
+/// Least, mean and largest of each component over an image.
+fn over_image(variable: &Variable<'_>) -> String {
+    let column = |f: &dyn Fn(&[f32]) -> f64| {
+        let numbers: Vec<String> =
+            variable.planes.iter().map(|p| crate::value::number(f(p) as f32)).collect();
+        if variable.shape.is_scalar() { numbers.concat() } else { format!("[{}]", numbers.join(" ")) }
+    };
+    let finite = |p: &[f32]| p.iter().filter(|x| x.is_finite()).map(|&x| f64::from(x)).collect::<Vec<f64>>();
+    let least = column(&|p| finite(p).into_iter().fold(f64::INFINITY, f64::min));
+    let largest = column(&|p| finite(p).into_iter().fold(f64::NEG_INFINITY, f64::max));
+    let mean = column(&|p| {
+        let finite = finite(p);
+        finite.iter().sum::<f64>() / finite.len().max(1) as f64
+    });
+    let count = variable.planes.first().map_or(0, |p| p.len());
+    let odd = (0..count).filter(|&i| variable.planes.iter().any(|p| !p[i].is_finite())).count();
+    let odd = if odd == 0 { String::new() } else { format!("   NaN or infinity at {odd} pixels") };
+    format!("min {least}   mean {mean}   max {largest}{odd}\n")
+}
+
+/// The name of the function that a piece defines, if that is all it does.
+fn function(text: &str) -> Option<String> {
+    let parsed = syntax::parse(SourceId::default(), text);
+    match &parsed.module.body[..] {
+        [ast::Stmt { kind: ast::StmtKind::Function(f), .. }] => Some(f.name.text.clone()),
+        _ => None,
+    }
+}
+
+fn piece(text: &str) -> Piece {
+    let parsed = syntax::parse(SourceId::default(), text);
+    let last = parsed.module.body.last();
+    let last_expression = last.is_some_and(|s| matches!(s.kind, ast::StmtKind::Expr(_)));
+    match parsed.module.body.len() {
+        0 if parsed.errors.is_empty() => Piece::Nothing,
+        1 if last_expression && parsed.errors.is_empty() => Piece::Expression,
+        _ => Piece::Statements { last_expression, function: function(text) },
+    }
+}
