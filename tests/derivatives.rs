@@ -200,6 +200,52 @@ function octaves(a)
     }
 }
 
+/// Statements on which no derivative depends are run without shadows: their values are the same.
+#[test]
+fn what_no_derivative_needs_has_no_shadows() {
+    let text = "\
+a = 3 * x
+seen = 0
+if a > 0.2
+    seen = Noise(point)
+b = filterwidth(a)
+c = seen
+while c < 2
+    c += 0.3 + abs(a)
+if b > 0.05
+    a += 1
+    d = [c b]
+else
+    d = [0 c]
+later = Du(b + a) + c
+function f(q)
+    return q > 0 ? Dv(q) : q
+e = f(a) + seen
+color = [d[1] + later c e]
+";
+    let reference =
+        run(text, &["color"], RunOptions { batch: Some(1), no_optimize: true, ..Default::default() });
+    for (batch, no_optimize) in [(3, true), (100, false), (2048, false), (2048, true)] {
+        let planes =
+            run(text, &["color"], RunOptions { batch: Some(batch), no_optimize, ..Default::default() });
+        for (a, b) in planes.iter().flatten().zip(reference.iter().flatten()) {
+            assert!(a.to_bits() == b.to_bits(), "batch {batch}, {no_optimize}");
+        }
+    }
+    // With everything in one call all of it has shadows.
+    let whole = text
+        .lines()
+        .filter(|l| !l.starts_with("function") && !l.contains("return"))
+        .map(|l| format!("    {l}\n"));
+    let function = "function f(q)\n    return q > 0 ? Dv(q) : q\n";
+    let body: String = whole.collect();
+    let all = format!("{function}function all()\n{body}    return color\ncolor = all()\n");
+    let planes = run(&all, &["color"], RunOptions::default());
+    for (a, b) in planes.iter().flatten().zip(reference.iter().flatten()) {
+        assert!(a.to_bits() == b.to_bits(), "in a call");
+    }
+}
+
 /// What goes wrong in a shadow alone is no error: there the pixel's value stands.
 #[test]
 fn shadows_do_not_fail() {

@@ -475,7 +475,8 @@ impl<'r> Machine<'r> {
             Batch::Run(start, n) => Pixels::Run(*start, *n),
             Batch::List(list) => Pixels::List(list),
         };
-        self.globals[i] = match self.shadowed() {
+        // A statement that shadows do not run may be the first that looks at it.
+        self.globals[i] = match self.bound.neighbours.is_some() {
             false => self.bound.sources[i].slot(pixels, self.bound),
             true => self.bound.sources[i].shadowed_slot(pixels, self.bound),
         };

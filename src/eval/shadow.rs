@@ -8,11 +8,13 @@
 //! nothing.)
 
 use super::bind::{Bound, Source, incident};
+use super::fault::Result;
 use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use crate::image::Image;
+use crate::resolve::tree::Stmt;
 use crate::shape::Shape;
-use crate::value::{Lanes, Plane, Planes, Value};
+use crate::value::{Lanes, Mask, Plane, Planes, Value};
 use rayon::prelude::*;
 use smallvec::smallvec;
 use std::borrow::Cow;
@@ -140,10 +142,20 @@ fn decided(plane: &Plane, pixels: usize, n: usize) -> Plane {
     }))
 }
 
-impl Machine<'_> {
+impl<'r> Machine<'r> {
     /// From now on each pixel has shadows.
     pub fn cast_shadows(&mut self) {
         self.lanes_a_pixel = LANES;
+    }
+
+    /// Runs statements for the pixels alone: what they assign, no shadow reads. The pixels' lanes come first, so that
+    /// values with shadows serve as they are.
+    pub fn without_shadows(&mut self, stmts: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+        let lanes = (self.n, self.lanes_a_pixel);
+        (self.n, self.lanes_a_pixel) = (self.pixels(), 1);
+        let mask = self.block(stmts, mask);
+        (self.n, self.lanes_a_pixel) = lanes;
+        mask
     }
 
     /// Have the pixels shadows?

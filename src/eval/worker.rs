@@ -71,7 +71,16 @@ impl<'r> Worker<'r> {
             clock.start();
         }
         machine.load(pixels);
-        let mask = machine.block(&machine.program.body, &Mask::All)?;
+        let mut mask = Mask::All;
+        let mut body = &machine.program.body[..];
+        // Statements one after another that shadows have to run, or need not.
+        for part in machine.program.shadowed.chunk_by(|a, b| a == b) {
+            let (stmts, rest) = body.split_at(part.len());
+            mask =
+                if part[0] { machine.block(stmts, &mask)? } else { machine.without_shadows(stmts, &mask)? };
+            body = rest;
+        }
+        mask = machine.block(body, &mask)?;
         if let Some(block) = machine.program.by_normal.as_ref().filter(|_| self.by_normal) {
             machine.block(block, &mask)?;
         }

@@ -2,6 +2,8 @@
 //! is. By that the evaluator decides whether to gather the active lanes of a batch before it runs the block.
 
 use super::tree::*;
+use crate::builtin::{Kernel, ParamKind};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A loop is counted as so many rounds.
@@ -14,20 +16,56 @@ const MOST: u32 = 1 << 20;
 /// Notes the effects of every block of an `if`, and of every `while` loop.
 pub(super) fn mark(program: &mut Resolved) {
     let reads: Vec<Vec<u32>> = program.functions.iter().map(|f| f.reads.iter().copied().collect()).collect();
-    let mut marker = Marker { reads, work: vec![UNKNOWN; program.functions.len()] };
-    // Twice, so that most functions are known when a call of them is weighed.
-    for _ in 0..2 {
+    let count = program.functions.len();
+    let mut marker = Marker { reads, work: vec![UNKNOWN; count], shadows: vec![false; count] };
+    // At least twice, so that most functions are known when a call of them is weighed.
+    let mut passes = 0;
+    let mut grew = true;
+    while passes < 2 || grew {
+        (passes, grew) = (passes + 1, false);
         for i in 0..program.functions.len() {
             let mut seen = Seen::default();
             let mut body = std::mem::take(&mut program.functions[i].body);
             marker.block(&mut body, &mut seen);
             program.functions[i].body = body;
             marker.work[i] = seen.work;
+            grew |= seen.shadows && !marker.shadows[i];
+            marker.shadows[i] |= seen.shadows;
         }
     }
-    marker.block(&mut program.body, &mut Seen::default());
+    let seen: Vec<Seen> = program
+        .body
+        .iter_mut()
+        .map(|stmt| {
+            let mut seen = Seen::default();
+            marker.block(std::slice::from_mut(stmt), &mut seen);
+            seen
+        })
+        .collect();
+    if program.derivatives {
+        program.shadowed = shadowed(&seen);
+    }
     if let Some(block) = &mut program.by_normal {
         marker.block(block, &mut Seen::default());
+    }
+}
+
+/// Which of the outer statements shadows have to run: those that ask for derivatives, and those that assign what such
+/// statements read or assign.
+fn shadowed(body: &[Seen]) -> Vec<bool> {
+    let mut shadowed = vec![false; body.len()];
+    let mut touched: BTreeSet<Place> = BTreeSet::new();
+    loop {
+        let before = touched.len();
+        for (seen, shadowed) in body.iter().zip(&mut shadowed) {
+            if *shadowed || seen.shadows || seen.writes.iter().any(|place| touched.contains(place)) {
+                *shadowed = true;
+                touched.extend(seen.reads.iter().chain(&seen.writes));
+            }
+        }
+        if touched.len() == before {
+            return shadowed;
+        }
     }
 }
 
@@ -36,6 +74,8 @@ struct Marker {
     reads: Vec<Vec<u32>>,
     /// The work of a call of each.
     work: Vec<u32>,
+    /// Whether a call of each looks at shadows.
+    shadows: Vec<bool>,
 }
 
 /// What has been seen of a block so far.
@@ -46,6 +86,8 @@ struct Seen {
     /// `break` and `continue` of a loop around.
     breaks: bool,
     returns: bool,
+    /// Derivatives, or look-ups that may take their width from them.
+    shadows: bool,
     work: u32,
 }
 
@@ -72,6 +114,7 @@ impl Seen {
         part.writes.iter().for_each(|&place| self.write(place));
         self.breaks |= part.breaks;
         self.returns |= part.returns;
+        self.shadows |= part.shadows;
         self.add(part.work.saturating_mul(times));
     }
 
@@ -147,9 +190,14 @@ impl Marker {
             ExprKind::Kept(_, _, reads) => reads.iter().for_each(|&i| seen.read(Place::Global(i))),
             ExprKind::Call(f, _) => {
                 self.reads[*f as usize].iter().for_each(|&i| seen.read(Place::Global(i)));
+                seen.shadows |= self.shadows[*f as usize];
                 seen.add(self.work[*f as usize]);
             }
-            ExprKind::Builtin(builtin, _) => seen.add(builtin.work()),
+            ExprKind::Builtin(builtin, _) => {
+                let looks_up = builtin.params.iter().any(|p| p.kind == ParamKind::Text);
+                seen.shadows |= looks_up || matches!(builtin.kernel, Kernel::Shadowed(_));
+                seen.add(builtin.work());
+            }
             ExprKind::Host(..) => seen.add(UNKNOWN),
             _ => seen.add(1),
         }

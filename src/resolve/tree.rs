@@ -30,6 +30,8 @@ pub struct Resolved {
     pub kept: usize,
     /// Does it ask for derivatives? Then each pixel runs with its shadows.
     pub derivatives: bool,
+    /// Which statements of the body the shadows have to run too, if there are any.
+    pub shadowed: Vec<bool>,
     /// The textures that calls name, each once, and where it is first named.
     pub textures: Vec<(texture::Source, Span)>,
 }

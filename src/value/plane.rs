@@ -21,6 +21,9 @@ unsafe impl Pod for Line {}
 /// How many free buffers a thread keeps for reuse, in bytes.
 const KEPT: usize = 64 << 20;
 
+/// How many times as large as it must be a buffer may be.
+const ROOMY: usize = 4;
+
 /// A thin pointer: planes are moved about a lot, and by it one is 16 bytes.
 type Buffer = Rc<Box<[Line]>>;
 
@@ -54,15 +57,16 @@ impl Lanes {
     pub fn new(n: usize) -> Lanes {
         let lines = n.div_ceil(LINE).max(1);
         let reused = POOL.with_borrow_mut(|pool| {
-            pool.live += lines * size_of::<Line>();
             let buffer = pool.free.pop()?;
             pool.kept -= size_of_val(&**buffer);
             Some(buffer)
         });
+        // Batches with and without shadows take turns: a buffer may have some room to spare.
         let buffer = match reused {
-            Some(buffer) if buffer.len() == lines => buffer,
+            Some(buffer) if (lines..=ROOMY * lines).contains(&buffer.len()) => buffer,
             _ => Rc::new(vec![Line::zeroed(); lines].into_boxed_slice()),
         };
+        POOL.with_borrow_mut(|pool| pool.live += size_of_val(&**buffer));
         Lanes { buffer: Some(buffer) }
     }
 
