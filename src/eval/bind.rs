@@ -5,14 +5,14 @@ use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use super::pixelsize;
 use super::run::{Failure, Options, TEXTURE_MEMORY};
+use super::samples::is_id;
 use super::shadow::Neighbours;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
 use crate::resolve::tree::*;
 use crate::resolve::{names, unreadable};
 use crate::texture::Texture;
-use crate::value::{Mask, PixelValue, Value};
-use smallvec::smallvec;
+use crate::value::{Mask, PixelValue, Plane, Value};
 use std::sync::Arc;
 
 /// Says what is known of a variable that an image does not have, as hints to the user.
@@ -26,6 +26,8 @@ pub(super) enum Source<'r> {
     Uniform(PixelValue),
     /// A variable of the image.
     Input(&'r Variable<'r>),
+    /// The like, moved from the pixel's middle to the place of a sample: see [`super::shadow`].
+    Moved(&'r Variable<'r>),
     /// `pixel`.
     Position,
     /// `pixelsize`, one a pixel.
@@ -38,7 +40,7 @@ pub(super) enum Source<'r> {
 pub(super) struct Bound<'r> {
     /// One a global.
     pub sources: Vec<Source<'r>>,
-    /// Who has which neighbours, for programs with derivatives.
+    /// Who has which neighbours, for programs with derivatives and for samples beside the middle.
     pub neighbours: Option<Neighbours>,
     width: usize,
     origin: [i32; 2],
@@ -54,8 +56,9 @@ impl Source<'_> {
         !matches!(self, Source::Uniform(_) | Source::Nowhere)
     }
 
-    /// The variable at the beginning of a batch.
-    pub fn slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>) -> Slot {
+    /// The variable at the beginning of a batch. `places`: how far from the middle each pixel is sampled; none if it is
+    /// the middle.
+    pub fn slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>, places: &[[f32; 2]]) -> Slot {
         let value = match self {
             Source::Nowhere => return Slot::EMPTY,
             Source::Uniform(value) => Value::from(value),
@@ -63,11 +66,22 @@ impl Source<'_> {
                 shape: variable.shape.clone(),
                 planes: variable.planes.iter().map(|p| pixels.gather(p)).collect(),
             },
+            Source::Moved(variable) => {
+                let planes = variable.planes.iter().map(|p| bound.moved(p, pixels, places)).collect();
+                Value { shape: variable.shape.clone(), planes }
+            }
             Source::Position => {
                 let (width, [x, y]) = (bound.width.max(1), bound.origin);
                 let column = move |i: usize| (i % width) as f32 + x as f32 + 0.5;
                 let row = move |i: usize| (i / width) as f32 + y as f32 + 0.5;
-                Value::vector(smallvec![pixels.map(column), pixels.map(row)])
+                let mut planes = [pixels.map(column), pixels.map(row)];
+                for (axis, plane) in planes.iter_mut().enumerate() {
+                    if let Plane::Varying(lanes) = plane {
+                        let lanes = lanes.get_mut(pixels.len()).iter_mut();
+                        lanes.zip(places).for_each(|(x, place)| *x += place[axis]);
+                    }
+                }
+                Value::vector(planes.into_iter().collect())
             }
             Source::PixelSize(plane) => Value::scalar(pixels.gather(plane)),
             Source::PixelFreq(plane) => Value::scalar(pixels.map(|i| 0.5 / plane[i])),
@@ -107,15 +121,19 @@ impl Bound<'_> {
     }
 }
 
-/// Binds a program to an image and runs what runs once a frame.
+/// Binds a program to an image and runs what runs once a frame. `sampled` has the variables that were made anew for a
+/// sample, instead of those of the image.
 pub(super) fn bind<'r>(
     program: &'r Resolved,
     image: &'r Image<'r>,
+    sampled: Option<&'r Image<'r>>,
     options: &'r Options<'r>,
 ) -> Result<Bound<'r>, Failure> {
+    let moved = options.sampling().is_some();
+    let seen = sampled.unwrap_or(image);
     let mut bound = Bound {
         sources: Vec::new(),
-        neighbours: program.derivatives.then(|| Neighbours::of(image)),
+        neighbours: (program.derivatives || moved).then(|| Neighbours::of(seen)),
         width: image.width,
         origin: image.metadata.origin,
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
@@ -126,19 +144,23 @@ pub(super) fn bind<'r>(
     let values = frame_values(program, image, options, &bound)?;
     let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
     let size: Option<Arc<[f32]>> = match options.pixelsize {
-        None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(image).into()),
+        None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(seen).into()),
         _ => None,
     };
     let [columns, rows] = image.resolution();
     for (global, value) in program.globals.iter().zip(values) {
         let name = global.name.as_str();
-        let input = image.variable(name).filter(|_| !global.library);
+        let resampled = sampled.and_then(|s| s.variable(name));
+        let input = resampled.or(image.variable(name)).filter(|_| !global.library);
         let source = if let Some(value) = value {
             Source::Uniform(value)
         } else if let Some(value) = options.set_value(name).filter(|_| !global.library) {
             Source::Uniform(value.clone())
         } else if let Some(variable) = input {
-            Source::Input(variable)
+            match moved && resampled.is_none() && !is_id(name) {
+                true => Source::Moved(variable),
+                false => Source::Input(variable),
+            }
         } else if let Some(constant) = names::constant(name) {
             Source::Uniform(constant_value(constant))
         } else {

@@ -96,7 +96,7 @@ impl Plan {
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.min(MAX_THREADS)).build_global();
         }
         let sized = reads_size(&program) && args.pixelsize.is_none();
-        let near = sized || program.resolved().derivatives;
+        let near = sized || program.resolved().derivatives || args.sampling().is_some();
         // What tells which neighbours count.
         let looks = [("point", sized), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
         Ok(Plan {
