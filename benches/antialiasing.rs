@@ -89,7 +89,7 @@ impl Scene {
             rows.map_err(|e| Diagnostic::bare("scene", e.to_string()))
         };
         let resample = resample.then_some(&again as &pse::eval::Resample<'_>);
-        let options = RunOptions { samples: sampling, resample, threads: Some(1), ..RunOptions::default() };
+        let options = RunOptions { samples: sampling, resample, threads, ..RunOptions::default() };
         program.run(&self.image, &options).expect("the patterns run").image
     }
 }
