@@ -3,7 +3,7 @@
 //! prints the table; with `UPDATE=1` it writes it into `docs/antialiasing.md`, and with `PICTURE=FILE` crops as a PNG.
 //!
 //! A pattern is written with widths. The sharp one is the same with 0 for `filterwidth`, and with eight octaves of
-//! turbulence whatever the size of a pixel.
+//! noise whatever the size of a pixel.
 
 #[allow(dead_code, reason = "ratios of other tables")]
 mod table;
