@@ -10,7 +10,7 @@ mod table;
 
 use pse::image::WriteOptions;
 use pse::scene::{Options, Renderer};
-use pse::{Diagnostic, Filter, Image, Program, RunOptions, Sampling};
+use pse::{Filter, Image, Program, RunOptions, Sampling};
 use std::borrow::Cow;
 use std::time::Instant;
 
@@ -86,7 +86,7 @@ impl Scene {
     ) -> Image<'static> {
         let again = |_: &Image<'_>, places: &pse::eval::Places| {
             let rows = self.renderer.rows_at(0..HEIGHT, |pixel| places.offset(pixel));
-            rows.map_err(|e| Diagnostic::bare("scene", e.to_string()))
+            rows.map_err(|e| e.to_string())
         };
         let resample = resample.then_some(&again as &pse::eval::Resample<'_>);
         let options = RunOptions { samples: sampling, resample, threads, ..RunOptions::default() };

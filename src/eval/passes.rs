@@ -5,6 +5,7 @@ use super::bind::{Bound, bind};
 use super::output::{self, Output};
 use super::run::{Attempt, Failure, Job, Report};
 use super::samples::{Places, is_id};
+use crate::diagnostic::Diagnostic;
 use crate::image::Image;
 use rayon::prelude::*;
 
@@ -54,7 +55,8 @@ impl Job<'_> {
         let Some(resample) = self.options.resample else {
             return Job { places: Some(places), ..self.clone() }.attempt();
         };
-        let sampled = resample(self.image, &places).map_err(|error| Failure::Program(vec![error]))?;
+        let sampled = resample(self.image, &places)
+            .map_err(|message| Failure::Program(vec![Diagnostic::bare("input", message)]))?;
         let bound: Bound<'_> = bind(self.program, self.image, Some(&sampled), self.options)?;
         Job { places: Some(places), bound: &bound, ..self.clone() }.attempt()
     }
