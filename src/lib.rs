@@ -25,6 +25,8 @@ pub use crate::diagnostic::{Diagnostic, Style};
 pub use crate::eval::{BATCH, BatchArguments, BatchResult, HostFunction};
 pub use crate::host::Host;
 pub use crate::image::{Image, Variable};
-pub use crate::program::{Compiler, Error, Failure, Limits, Program, Progress, Report, RunOptions, Stream};
+pub use crate::program::{
+    Compiler, Error, Failure, Filter, Limits, Program, Progress, Report, RunOptions, Sampling, Stream,
+};
 pub use crate::shape::Shape;
 pub use crate::value::PixelValue;

@@ -11,7 +11,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use crate::eval::{Failure, Limits, Options as RunOptions, Progress, Report};
+pub use crate::eval::{Failure, Filter, Limits, Options as RunOptions, Progress, Report, Sampling};
 
 /// A compiled program. It holds no state: share it between threads, and run it as often as you like.
 ///

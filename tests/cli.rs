@@ -12,6 +12,8 @@ mod files;
 mod noise;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/samples.rs"]
+mod samples;
 #[path = "cli/textures.rs"]
 mod textures;
 #[path = "cli/words.rs"]

@@ -1,4 +1,4 @@
-//! Tables for `docs/performance.md`, of things that are measured in turns.
+//! Tables for the documentation, most in `docs/performance.md`, of things that are measured in turns.
 //!
 //! Criterion measures one thing after another, so that on a machine that is shared a ratio of two follows its mood. Here all
 //! take turns, and a ratio is the median of those of single rounds.
@@ -64,13 +64,21 @@ pub fn updating() -> bool {
 /// # Panics
 /// If the document has no such lines, or can't be read and written.
 pub fn update(name: &str, text: &str) {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/performance.md");
-    let document = std::fs::read_to_string(path).expect("docs/performance.md");
+    update_in("performance", name, text);
+}
+
+/// The same of another document in `docs`, by its name.
+///
+/// # Panics
+/// As [`update`].
+pub fn update_in(document: &str, name: &str, text: &str) {
+    let path = format!("{}/docs/{document}.md", env!("CARGO_MANIFEST_DIR"));
+    let document = std::fs::read_to_string(&path).expect(&path);
     let (begin, end) = (format!("<!-- {name} begin -->\n"), format!("<!-- {name} end -->"));
     let parts =
         document.split_once(&begin).and_then(|(before, rest)| Some((before, rest.split_once(&end)?.1)));
     let (before, after) = parts.unwrap_or_else(|| panic!("{path} has no place called {name}"));
     // Blank lines, or Markdown would not see a table between comments.
     let written = format!("{before}{begin}\n{}\n\n{end}{after}", text.trim_end());
-    std::fs::write(path, written).expect("docs/performance.md can be written");
+    std::fs::write(&path, written).expect(&path);
 }

@@ -13,7 +13,7 @@ use super::output;
 use super::progress::Bar;
 use super::region::Region;
 use crate::diagnostic::Diagnostic;
-use crate::eval::BATCH;
+use crate::eval::{BATCH, Places, Resample};
 use crate::image::Image;
 use crate::program::{Progress, RunOptions};
 use input::FrameInput;
@@ -74,7 +74,10 @@ fn compute(
         Some(scene) if !name.contains('.') => vec![scene.clone()],
         _ => inputs.missing(name),
     };
+    let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
     let options = RunOptions {
+        samples: args.sampling(),
+        resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
         frame,
         set: plan.set.clone(),
         pixelsize: args.pixelsize,
@@ -94,6 +97,7 @@ fn compute(
     let outcome = stream::run(args, plan, input, outputs, &options, &done);
     bar.clear();
     let mut outcome = outcome?;
+    outcome.stats.samples = args.samples.unwrap_or(1);
     outcome.stats.batch = args.batch.unwrap_or(BATCH);
     outcome.stats.isa = plan.isa.name();
     Ok(outcome)

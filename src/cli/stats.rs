@@ -20,6 +20,8 @@ pub(super) struct Stats {
     pub not_finite: usize,
     /// Threads that ran.
     pub threads: usize,
+    /// Samples of a pixel.
+    pub samples: usize,
     /// Lanes of a batch.
     pub batch: usize,
     /// The instruction set.
@@ -52,6 +54,9 @@ impl Stats {
         warn(&format!("write                {}", seconds(self.write)));
         warn(&format!("in all               {}", seconds(self.wall)));
         warn(&format!("run                  {:.2} ns/pixel", self.per_pixel()));
+        if self.samples > 1 {
+            warn(&format!("samples              {}", self.samples));
+        }
         warn(&format!("threads              {}", self.threads));
         warn(&format!("batch                {}", self.batch));
         warn(&format!("instruction set      {}", self.isa));

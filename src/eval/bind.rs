@@ -5,6 +5,7 @@ use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use super::pixelsize;
 use super::run::{Failure, Options, TEXTURE_MEMORY};
+use super::samples::is_id;
 use super::shadow::Neighbours;
 use super::spaces;
 use crate::diagnostic::Diagnostic;
@@ -13,8 +14,7 @@ use crate::resolve::tree::*;
 use crate::resolve::{names, space_of, unreadable};
 use crate::shape::Shape;
 use crate::texture::Texture;
-use crate::value::{Lanes, Mask, PixelValue, Plane, Value};
-use smallvec::smallvec;
+use crate::value::{Mask, PixelValue, Plane, Value};
 use std::sync::Arc;
 
 /// Says what is known of a variable that an image does not have, as hints to the user.
@@ -28,8 +28,10 @@ pub(super) enum Source<'r> {
     Uniform(PixelValue),
     /// A variable of the image.
     Input(&'r Variable<'r>),
+    /// The like, moved from the pixel's middle to the place of a sample: see [`super::shadow`].
+    Moved(&'r Variable<'r>),
     /// `I`, the direction to a point from the eye.
-    Incident(&'r Variable<'r>, [f32; 3]),
+    Incident(Box<Source<'r>>, [f32; 3]),
     /// `pixel`.
     Position,
     /// `pixelsize`, one a pixel.
@@ -42,7 +44,7 @@ pub(super) enum Source<'r> {
 pub(super) struct Bound<'r> {
     /// One a global.
     pub sources: Vec<Source<'r>>,
-    /// Who has which neighbours, for programs with derivatives.
+    /// Who has which neighbours, for programs with derivatives and for samples beside the middle.
     pub neighbours: Option<Neighbours>,
     width: usize,
     origin: [i32; 2],
@@ -58,8 +60,9 @@ impl Source<'_> {
         !matches!(self, Source::Uniform(_) | Source::Nowhere)
     }
 
-    /// The variable at the beginning of a batch.
-    pub fn slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>) -> Slot {
+    /// The variable at the beginning of a batch. `places`: how far from the middle each pixel is sampled; none if it is
+    /// the middle.
+    pub fn slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>, places: &[[f32; 2]]) -> Slot {
         let value = match self {
             Source::Nowhere => return Slot::EMPTY,
             Source::Uniform(value) => Value::from(value),
@@ -67,16 +70,26 @@ impl Source<'_> {
                 shape: variable.shape.clone(),
                 planes: variable.planes.iter().map(|p| pixels.gather(p)).collect(),
             },
+            Source::Moved(variable) => {
+                let planes = variable.planes.iter().map(|p| bound.moved(p, pixels, places)).collect();
+                Value { shape: variable.shape.clone(), planes }
+            }
             Source::Incident(point, eye) => {
-                let planes: [Lanes; 3] =
-                    [0, 1, 2].map(|i| pixels.gather(&point.planes[i]).spread(pixels.len()));
-                incident(planes, *eye, pixels.len())
+                let point = point.slot(pixels, bound, places).value.unwrap_or(Value::uniform(0.0));
+                incident(&point, *eye, pixels.len())
             }
             Source::Position => {
                 let (width, [x, y]) = (bound.width.max(1), bound.origin);
                 let column = move |i: usize| (i % width) as f32 + x as f32 + 0.5;
                 let row = move |i: usize| (i / width) as f32 + y as f32 + 0.5;
-                Value::vector(smallvec![pixels.map(column), pixels.map(row)])
+                let mut planes = [pixels.map(column), pixels.map(row)];
+                for (axis, plane) in planes.iter_mut().enumerate() {
+                    if let Plane::Varying(lanes) = plane {
+                        let lanes = lanes.get_mut(pixels.len()).iter_mut();
+                        lanes.zip(places).for_each(|(x, place)| *x += place[axis]);
+                    }
+                }
+                Value::vector(planes.into_iter().collect())
             }
             Source::PixelSize(plane) => Value::scalar(pixels.gather(plane)),
             Source::PixelFreq(plane) => Value::scalar(pixels.map(|i| 0.5 / plane[i])),
@@ -85,15 +98,21 @@ impl Source<'_> {
     }
 }
 
+/// A variable of the image, `moved` to the places of a sample or not.
+fn given<'r>(variable: &'r Variable<'r>, moved: bool) -> Source<'r> {
+    if moved { Source::Moved(variable) } else { Source::Input(variable) }
+}
+
 /// The directions from the eye to points, of length 1.
-pub(super) fn incident(mut point: [Lanes; 3], eye: [f32; 3], n: usize) -> Value {
-    let [x, y, z] = point.each_mut().map(|plane| plane.get_mut(n));
+pub(super) fn incident(point: &Value, eye: [f32; 3], n: usize) -> Value {
+    let mut planes = [0, 1, 2].map(|i| point.planes.get(i).unwrap_or(&Plane::Uniform(0.0)).spread(n));
+    let [x, y, z] = planes.each_mut().map(|plane| plane.get_mut(n));
     for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
         let d = [*x - eye[0], *y - eye[1], *z - eye[2]];
         let inverse = crate::builtin::inverse((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt());
         (*x, *y, *z) = (d[0] * inverse, d[1] * inverse, d[2] * inverse);
     }
-    Value::vector(point.into_iter().map(Plane::Varying).collect())
+    Value::vector(planes.into_iter().map(Plane::Varying).collect())
 }
 
 impl Bound<'_> {
@@ -127,15 +146,19 @@ impl Bound<'_> {
     }
 }
 
-/// Binds a program to an image and runs what runs once a frame.
+/// Binds a program to an image and runs what runs once a frame. `sampled` has the variables that were made anew for a
+/// sample, instead of those of the image.
 pub(super) fn bind<'r>(
     program: &'r Resolved,
     image: &'r Image<'r>,
+    sampled: Option<&'r Image<'r>>,
     options: &'r Options<'r>,
 ) -> Result<Bound<'r>, Failure> {
+    let moved = options.sampling().is_some();
+    let seen = sampled.unwrap_or(image);
     let mut bound = Bound {
         sources: Vec::new(),
-        neighbours: program.derivatives.then(|| Neighbours::of(image)),
+        neighbours: (program.derivatives || moved).then(|| Neighbours::of(seen)),
         width: image.width,
         origin: image.metadata.origin,
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
@@ -146,20 +169,21 @@ pub(super) fn bind<'r>(
     let values = frame_values(program, image, options, &bound)?;
     let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
     let size: Option<Arc<[f32]>> = match options.pixelsize {
-        None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(image).into()),
+        None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(seen).into()),
         _ => None,
     };
     let eye = if reads("eye") || reads("I") { spaces::eye(image, options) } else { None };
     let [columns, rows] = image.resolution();
     for (global, value) in program.globals.iter().zip(values) {
         let name = global.name.as_str();
-        let input = image.variable(name).filter(|_| !global.library);
+        let resampled = sampled.and_then(|s| s.variable(name));
+        let input = resampled.or(image.variable(name)).filter(|_| !global.library);
         let source = if let Some(value) = value {
             Source::Uniform(value)
         } else if let Some(value) = options.set_value(name).filter(|_| !global.library) {
             Source::Uniform(value.clone())
         } else if let Some(variable) = input {
-            Source::Input(variable)
+            given(variable, moved && resampled.is_none() && !is_id(name))
         } else if let Some(constant) = names::constant(name) {
             Source::Uniform(constant_value(constant))
         } else if let Some(space) = space_of(name) {
@@ -171,12 +195,15 @@ pub(super) fn bind<'r>(
                 ("resolution", ..) => Source::Uniform([columns as f32, rows as f32].into()),
                 ("pixel", ..) => Source::Position,
                 ("eye", ..) => eye.map_or(Source::Nowhere, |eye| Source::Uniform(eye.into())),
-                ("I", ..) => match (eye, image.variable("point")) {
-                    (Some(eye), Some(point)) if point.shape == Shape::Vector(3) => {
-                        Source::Incident(point, eye)
+                ("I", ..) => {
+                    let resampled = sampled.and_then(|image| image.variable("point"));
+                    match (eye, resampled.or_else(|| image.variable("point"))) {
+                        (Some(eye), Some(point)) if point.shape == Shape::Vector(3) => {
+                            Source::Incident(Box::new(given(point, moved && resampled.is_none())), eye)
+                        }
+                        _ => Source::Nowhere,
                     }
-                    _ => Source::Nowhere,
-                },
+                }
                 ("pixelsize", Some(size), _) => Source::Uniform(size.into()),
                 ("pixel_freq", Some(size), _) => Source::Uniform((0.5 / size).into()),
                 ("pixelsize", None, Some(plane)) => Source::PixelSize(plane.clone()),

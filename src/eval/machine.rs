@@ -6,6 +6,7 @@ use super::limits::Limits;
 use super::pixels::{Batch, Pixels};
 use super::plan::Plans;
 use super::profile::Clock;
+use super::samples::Places;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::image::Variable;
 use crate::lanes::Isa;
@@ -78,6 +79,10 @@ pub(super) struct Machine<'r> {
     pending: Vec<bool>,
     /// Where the batch's pixels are.
     pixels: Batch,
+    /// Where the running sample lies in each pixel; `None`: in the middle.
+    pub sample: Option<Places>,
+    /// How far from the middle it lies in the pixels of the batch.
+    places: Vec<[f32; 2]>,
     pub locals: Vec<Slot>,
     /// Where the running call's locals begin.
     pub base: usize,
@@ -127,6 +132,8 @@ impl<'r> Machine<'r> {
             globals: vec![Slot::EMPTY; program.globals.len()],
             pending: vec![false; program.globals.len()],
             pixels: Batch::Run(0, 0),
+            sample: None,
+            places: Vec::new(),
             locals: Vec::new(),
             base: 0,
             loops: Vec::new(),
@@ -442,6 +449,11 @@ impl<'r> Machine<'r> {
             Pixels::Run(start, n) => Batch::Run(start, n),
             Pixels::List(list) => Batch::List(list.into()),
         };
+        self.places.clear();
+        if let Some(sample) = self.sample {
+            let place = |lane| sample.offset(self.bound.position(pixels.at(lane)));
+            self.places.extend((0..pixels.len()).map(place));
+        }
         for (i, global) in self.program.globals.iter().enumerate() {
             let source = &self.bound.sources[i];
             self.pending[i] = source.varies();
@@ -449,7 +461,7 @@ impl<'r> Machine<'r> {
             if self.pending[i] {
                 self.globals[i] = Slot::EMPTY;
             } else if global.assigned.is_some() || self.globals[i].value.is_none() {
-                self.globals[i] = source.slot(pixels, self.bound);
+                self.globals[i] = source.slot(pixels, self.bound, &self.places);
             }
         }
     }
@@ -476,9 +488,9 @@ impl<'r> Machine<'r> {
             Batch::List(list) => Pixels::List(list),
         };
         // A statement that shadows do not run may be the first that looks at it.
-        self.globals[i] = match self.bound.neighbours.is_some() {
-            false => self.bound.sources[i].slot(pixels, self.bound),
-            true => self.bound.sources[i].shadowed_slot(pixels, self.bound),
+        self.globals[i] = match self.program.derivatives && self.bound.neighbours.is_some() {
+            false => self.bound.sources[i].slot(pixels, self.bound, &self.places),
+            true => self.bound.sources[i].shadowed_slot(pixels, self.bound, &self.places),
         };
     }
 

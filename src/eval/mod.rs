@@ -16,11 +16,13 @@ mod limits;
 mod machine;
 mod ops;
 mod output;
+mod passes;
 mod pixels;
 mod pixelsize;
 mod plan;
 mod profile;
 mod run;
+mod samples;
 mod shadow;
 mod spaces;
 mod store;
@@ -31,6 +33,7 @@ pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
 pub use profile::{Profile, Spent};
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, eval_pixel, run};
+pub use samples::{Filter, Places, Resample, Sampling};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
 /// spread the cost of a tree's walk, small enough that the planes of a program stay in the cache.

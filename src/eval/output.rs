@@ -3,7 +3,7 @@
 use super::machine::Machine;
 use super::pixels::Pixels;
 use crate::diagnostic::Diagnostic;
-use crate::image::Variable;
+use crate::image::{Image, Variable};
 use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::Resolved;
@@ -11,6 +11,7 @@ use crate::shape::Shape;
 use crate::value::{Mask, Plane};
 
 /// A variable to write.
+#[derive(Clone)]
 pub(super) struct Output<'r> {
     pub name: String,
     /// Its slot, if the program assigns it.
@@ -142,6 +143,13 @@ pub(super) fn not_finite(planes: &[Vec<&mut [f32]>], n: usize) -> usize {
     if touched.is_empty() { 0 } else { (0..n).filter(|&i| touched.iter().any(|p| odd(&p[i]))).count() }
 }
 
+/// The like of an image, of the outputs that the program assigned.
+pub(super) fn not_finite_pixels(image: &Image<'_>, outputs: &[Output<'_>]) -> usize {
+    let own = image.variables.iter().zip(outputs).filter(|(_, output)| output.slot.is_some());
+    let planes: Vec<&[f32]> = own.flat_map(|(v, _)| &v.planes).map(|p| &**p).collect();
+    (0..image.width * image.height).filter(|&i| planes.iter().any(|p| !p[i].is_finite())).count()
+}
+
 /// Which variables to write: those asked for, or `color` (and `alpha`), or all that the program assigns.
 pub(super) fn default_names(program: &Resolved) -> Vec<String> {
     let assigned: Vec<&str> = program.assigned().collect();
@@ -184,4 +192,36 @@ pub(super) fn missing(program: &Resolved, name: &str) -> Diagnostic {
         return error.hint("The program assigns no variable at all.");
     }
     error.hint(format!("The program assigns {}.", assigned.join(", ")))
+}
+
+/// A stretch of the image, with the outputs' planes there.
+pub(super) struct Chunk<'p> {
+    pub start: usize,
+    pub len: usize,
+    pub planes: Vec<Vec<&'p mut [f32]>>,
+}
+
+/// Cuts the planes of `total` pixels, of which `first` is the first, into stretches of `size`.
+pub(super) fn chunks(
+    planes: &mut [Vec<Vec<f32>>],
+    size: usize,
+    first: usize,
+    total: usize,
+) -> Vec<Chunk<'_>> {
+    let starts = (0..total).step_by(size);
+    let mut chunks: Vec<Chunk<'_>> =
+        starts.map(|at| Chunk { start: first + at, len: size.min(total - at), planes: Vec::new() }).collect();
+    for output in planes.iter_mut() {
+        for chunk in &mut chunks {
+            chunk.planes.push(Vec::new());
+        }
+        for plane in output.iter_mut() {
+            for (part, chunk) in plane.chunks_mut(size).zip(&mut chunks) {
+                if let Some(last) = chunk.planes.last_mut() {
+                    last.push(part);
+                }
+            }
+        }
+    }
+    chunks
 }

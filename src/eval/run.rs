@@ -2,9 +2,10 @@
 
 use super::bind::{Bound, Missing, bind};
 use super::limits::Limits;
-use super::output::{self, Misfit, Output};
+use super::output::{self, Chunk, Misfit, Output};
 use super::pixels::Pixels;
 use super::profile::Profile;
+use super::samples::{Places, Resample, Sampling};
 use super::shadow;
 use super::worker::{Stop, Worker};
 use crate::diagnostic::Diagnostic;
@@ -54,6 +55,11 @@ pub struct Options<'o> {
     pub pixelsize: Option<f32>,
     /// Spaces by name: the matrix from the world, the space of `point`, to each. Points are columns.
     pub spaces: Vec<(String, Matrix4)>,
+    /// Several samples of each pixel, whose mean is written; `None`: one in its middle. See docs/antialiasing.md.
+    pub samples: Option<Sampling>,
+    /// Where the image comes from something that can be asked again: what it is at the places of a sample. Other
+    /// variables are continued from the pixel's middle by their derivatives.
+    pub resample: Option<&'o Resample<'o>>,
     /// The variables to write; `None`: `color` (and `alpha`), or all that a program without colour assigns.
     pub outputs: Option<Vec<String>>,
     /// Threads; `None`: as many as rayon's current pool has.
@@ -145,7 +151,7 @@ impl<'o> Stream<'o> {
     /// `None`: an output has more components here than in the rows before. They must all be run again, from the first
     /// on, and will then have as many.
     pub fn rows(&mut self, image: &Image<'_>, rows: Range<usize>) -> Result<Option<Report>, Failure> {
-        let bound = bind(self.program, image, self.options)?;
+        let bound = bind(self.program, image, None, self.options)?;
         let mut job = Job::new(self.program, &bound, image, rows, self.options)?;
         let begun = !self.shapes.is_empty();
         if begun {
@@ -157,7 +163,7 @@ impl<'o> Stream<'o> {
         }
         // The shapes that the samples did not show are learnt on the way; each round adds at least one.
         let report = loop {
-            match job.attempt()? {
+            match job.samples()? {
                 Attempt::Done(report) => break Some(report),
                 Attempt::Again(misfit) => job.widen(misfit)?,
             }
@@ -177,7 +183,7 @@ pub fn eval_pixel(
     pixel: usize,
     options: &Options<'_>,
 ) -> Result<Vec<(String, PixelValue)>, Failure> {
-    let bound = bind(program, image, options)?;
+    let bound = bind(program, image, None, options)?;
     let mut worker = Worker::new(program, &bound, options, program.by_normal.is_some());
     let list = [pixel as u32];
     match worker.run(Pixels::List(&list), &mut |_, _| Ok(())) {
@@ -191,27 +197,24 @@ pub fn eval_pixel(
         .collect())
 }
 
-enum Attempt {
+pub(super) enum Attempt {
     Done(Report),
     Again(Misfit),
 }
 
-struct Job<'r> {
-    program: &'r Resolved,
-    bound: &'r Bound<'r>,
-    image: &'r Image<'r>,
+/// A program bound to an image, whose pixels are to be run.
+#[derive(Clone)]
+pub(super) struct Job<'r> {
+    pub program: &'r Resolved,
+    pub bound: &'r Bound<'r>,
+    pub image: &'r Image<'r>,
     /// The rows of it that are run.
-    rows: Range<usize>,
-    options: &'r Options<'r>,
-    outputs: Vec<Output<'r>>,
-    by_normal: bool,
-}
-
-/// A stretch of the image, with the outputs' planes there.
-struct Chunk<'p> {
-    start: usize,
-    len: usize,
-    planes: Vec<Vec<&'p mut [f32]>>,
+    pub rows: Range<usize>,
+    pub options: &'r Options<'r>,
+    pub outputs: Vec<Output<'r>>,
+    pub by_normal: bool,
+    /// The sample that runs, if not in the middle.
+    pub places: Option<Places>,
 }
 
 impl<'r> Job<'r> {
@@ -254,7 +257,7 @@ impl<'r> Job<'r> {
             );
         }
         if errors.is_empty() {
-            Ok(Job { program, bound, image, rows, options, outputs, by_normal })
+            Ok(Job { program, bound, image, rows, options, outputs, by_normal, places: None })
         } else {
             Err(Failure::Program(errors))
         }
@@ -272,6 +275,7 @@ impl<'r> Job<'r> {
 
     fn worker(&self) -> Worker<'r> {
         let mut worker = Worker::new(self.program, self.bound, self.options, self.by_normal);
+        worker.machine.sample = self.places;
         worker.machine.want(self.outputs.iter().filter_map(|output| output.slot).collect());
         worker
     }
@@ -344,7 +348,7 @@ impl<'r> Job<'r> {
     }
 
     /// Runs the whole image with the shapes known so far.
-    fn attempt(&self) -> Result<Attempt, Failure> {
+    pub fn attempt(&self) -> Result<Attempt, Failure> {
         self.check_outputs()?;
         let total = self.total();
         let mut planes: Vec<Vec<Vec<f32>>> = self
@@ -355,7 +359,7 @@ impl<'r> Job<'r> {
                 (0..cells).map(|_| vec![0.0; total]).collect()
             })
             .collect();
-        let chunks = Mutex::new(chunks(&mut planes, self.start(), total).into_iter());
+        let chunks = Mutex::new(output::chunks(&mut planes, CHUNK, self.start(), total).into_iter());
         let end = AtomicUsize::new(usize::MAX);
         let stopped: Mutex<Option<Stop>> = Mutex::new(None);
         let done = AtomicUsize::new(0);
@@ -388,7 +392,9 @@ impl<'r> Job<'r> {
                 not_finite.fetch_add(output::not_finite(&chunk.planes, chunk.len), Ordering::Relaxed);
                 let done = done.fetch_add(chunk.len, Ordering::Relaxed) + chunk.len;
                 if let Some(progress) = self.options.progress {
-                    progress(Progress { done, total });
+                    let count = self.options.sampling().map_or(1, |s| s.count as usize);
+                    let before = self.places.map_or(0, |p| p.sample as usize) * total;
+                    progress(Progress { done: (before + done) / count, total });
                 }
             }
             if let Ok(mut all) = profile.lock() {
@@ -478,25 +484,4 @@ impl<'r> Job<'r> {
         }
         Image { width: self.image.width, height: self.rows.len(), variables, metadata }
     }
-}
-
-/// Cuts the planes of `total` pixels, of which `first` is the first, into stretches of [`CHUNK`].
-fn chunks(planes: &mut [Vec<Vec<f32>>], first: usize, total: usize) -> Vec<Chunk<'_>> {
-    let starts = (0..total).step_by(CHUNK);
-    let mut chunks: Vec<Chunk<'_>> = starts
-        .map(|at| Chunk { start: first + at, len: CHUNK.min(total - at), planes: Vec::new() })
-        .collect();
-    for output in planes.iter_mut() {
-        for chunk in &mut chunks {
-            chunk.planes.push(Vec::new());
-        }
-        for plane in output.iter_mut() {
-            for (part, chunk) in plane.chunks_mut(CHUNK).zip(&mut chunks) {
-                if let Some(last) = chunk.planes.last_mut() {
-                    last.push(part);
-                }
-            }
-        }
-    }
-    chunks
 }

@@ -14,7 +14,7 @@ use super::pixels::Pixels;
 use crate::image::Image;
 use crate::resolve::tree::Stmt;
 use crate::shape::Shape;
-use crate::value::{Lanes, Mask, Plane, Planes, Value};
+use crate::value::{Lanes, Mask, Plane, Value};
 use rayon::prelude::*;
 use smallvec::smallvec;
 use std::borrow::Cow;
@@ -72,6 +72,28 @@ impl Neighbours {
         }
         here
     }
+
+    /// How far a plane goes from a pixel's middle to another place in it, by the pixel's derivatives.
+    #[inline]
+    fn step(&self, plane: &[f32], pixel: usize, [x, y]: [f32; 2]) -> f32 {
+        let here = plane[pixel];
+        let [row, column] = [Along::Row, Along::Column].map(|along| self.shadow(plane, pixel, along) - here);
+        let step = x * row + y * column;
+        // Nothing is known about what lies beside an infinity.
+        if step.is_finite() { step } else { 0.0 }
+    }
+}
+
+impl Bound<'_> {
+    /// What a plane of the image holds at places of these pixels.
+    pub fn moved(&self, plane: &[f32], pixels: Pixels<'_>, places: &[[f32; 2]]) -> Plane {
+        let mut out = pixels.gather(plane);
+        if let (Plane::Varying(lanes), Some(neighbours)) = (&mut out, &self.neighbours) {
+            let lanes = lanes.get_mut(pixels.len()).iter_mut().zip(places).enumerate();
+            lanes.for_each(|(lane, (x, place))| *x += neighbours.step(plane, pixels.at(lane), *place));
+        }
+        out
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -81,11 +103,12 @@ enum Along {
 }
 
 impl Source<'_> {
-    /// The variable at the beginning of a batch with shadows.
-    pub fn shadowed_slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>) -> Slot {
+    /// The variable at the beginning of a batch with shadows. They lie as far from the middle of their pixels as the
+    /// pixel's own lane, so that a derivative is one over a pixel wherever a sample lies.
+    pub fn shadowed_slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>, places: &[[f32; 2]]) -> Slot {
         let count = pixels.len();
         let value = match self {
-            Source::Input(variable) => match &bound.neighbours {
+            Source::Input(variable) | Source::Moved(variable) => match &bound.neighbours {
                 Some(neighbours) => {
                     let plane = |plane: &Cow<'_, [f32]>| {
                         Plane::filled(LANES * count, |out| {
@@ -96,13 +119,19 @@ impl Source<'_> {
                                 own[lane] = plane[pixel];
                                 row[lane] = neighbours.shadow(plane, pixel, Along::Row);
                                 column[lane] = neighbours.shadow(plane, pixel, Along::Column);
+                                if let (Source::Moved(_), Some(place)) = (self, places.get(lane)) {
+                                    let step = neighbours.step(plane, pixel, *place);
+                                    for x in [&mut own[lane], &mut row[lane], &mut column[lane]] {
+                                        *x += step;
+                                    }
+                                }
                             }
                         })
                     };
                     let planes = variable.planes.iter().map(plane).collect();
                     Value { shape: variable.shape.clone(), planes }
                 }
-                None => return self.slot(pixels, bound),
+                None => return self.slot(pixels, bound, places),
             },
             Source::Position => {
                 let place = |axis: usize| {
@@ -110,24 +139,23 @@ impl Source<'_> {
                         for (lane, out) in out.iter_mut().enumerate() {
                             let beside = lane / count == axis + 1;
                             let position = bound.position(pixels.at(lane % count))[axis];
-                            *out = position as f32 + 0.5 + f32::from(u8::from(beside));
+                            let place = places.get(lane % count).map_or(0.0, |place| place[axis]);
+                            *out = position as f32 + 0.5 + f32::from(u8::from(beside)) + place;
                         }
                     })
                 };
                 Value::vector(smallvec![place(0), place(1)])
             }
             Source::Incident(point, eye) => {
-                let points = Source::Input(point).shadowed_slot(pixels, bound).value;
-                let planes = points.map_or(Planes::new(), |p| p.planes);
-                let of = |i: usize| planes.get(i).unwrap_or(&Plane::Uniform(0.0)).spread(LANES * count);
-                incident([of(0), of(1), of(2)], *eye, LANES * count)
+                let point = point.shadowed_slot(pixels, bound, places).value.unwrap_or(Value::uniform(0.0));
+                incident(&point, *eye, LANES * count)
             }
             // How the sizes of pixels change is not looked at.
             Source::PixelSize(_) | Source::PixelFreq(_) => {
-                let own = self.slot(pixels, bound).value.unwrap_or(Value::uniform(0.0));
+                let own = self.slot(pixels, bound, places).value.unwrap_or(Value::uniform(0.0));
                 Value::scalar(decided(&own.planes[0], count, LANES * count))
             }
-            Source::Nowhere | Source::Uniform(_) => return self.slot(pixels, bound),
+            Source::Nowhere | Source::Uniform(_) => return self.slot(pixels, bound, places),
         };
         Slot::full(value)
     }

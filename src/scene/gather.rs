@@ -80,6 +80,19 @@ impl Renderer {
     /// # Errors
     /// If memory does not suffice.
     pub fn rows(&self, rows: Range<usize>) -> Result<Image<'static>, SceneError> {
+        self.rows_at(rows, |_| [0.0; 2])
+    }
+
+    /// The like, seen as far beside the middle of each pixel, `[column row]`, as `offset` says: columns to the right, rows
+    /// down.
+    ///
+    /// # Errors
+    /// If memory does not suffice.
+    pub fn rows_at(
+        &self,
+        rows: Range<usize>,
+        offset: impl Fn([i32; 2]) -> [f32; 2] + Sync,
+    ) -> Result<Image<'static>, SceneError> {
         let [width, height] = self.size;
         let total = width * rows.len();
         // One plane after another is filled with zeros, so that a lack of memory is an error and no abort.
@@ -107,7 +120,9 @@ impl Renderer {
         stretches.par_iter_mut().enumerate().for_each(|(i, parts)| {
             for j in 0..parts[0].len() {
                 let pixel = i * stretch + j;
-                let cells = self.view.pixel(pixel % width, rows.start + pixel / width);
+                let (column, row) = (pixel % width, rows.start + pixel / width);
+                let [x, y] = offset([column as i32, row as i32]).map(|x| f64::from(x) + 0.5);
+                let cells = self.view.place(column as f64 + x, row as f64 + y);
                 for (part, cell) in parts.iter_mut().zip(cells) {
                     part[j] = cell as f32;
                 }
@@ -171,9 +186,9 @@ impl View {
         Ok(View { camera, world, scale, exit })
     }
 
-    /// The values of a pixel, in the order of the variables.
-    fn pixel(&self, column: usize, row: usize) -> [f64; CELLS + EXIT_CELLS] {
-        let ray = self.camera.ray(column as f64 + 0.5, row as f64 + 0.5);
+    /// The values at a place of the picture, in the order of the variables.
+    fn place(&self, column: f64, row: f64) -> [f64; CELLS + EXIT_CELLS] {
+        let ray = self.camera.ray(column, row);
         let incident = ray.direction.to_array();
         let mut cells = [0.0; CELLS + EXIT_CELLS];
         cells[7] = NOTHING;

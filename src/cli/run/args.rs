@@ -7,8 +7,8 @@ use crate::cli::source::ProgramArgs;
 use crate::cli::view::ViewArgs;
 use crate::eval::TEXTURE_MEMORY;
 use crate::image::WriteOptions;
-use crate::program::Limits;
-use clap::Args;
+use crate::program::{Filter, Limits, Sampling};
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -86,6 +86,15 @@ pub(in crate::cli) struct RunArgs {
     /// PNG and TIFF: bits a component; 32 is for TIFF, as floats
     #[arg(long, value_name = "8|16|32", value_parser = bits, help_heading = "Output")]
     pub bits: Option<u8>,
+    /// Run the program so many times in each pixel, at places here and there, and write the mean
+    #[arg(long, value_name = "N", value_parser = positive, help_heading = "Antialiasing")]
+    pub samples: Option<usize>,
+    /// What a pixel sees of its surroundings: itself (box), or up to one (triangle) or two pixels beside it
+    #[arg(long, value_enum, default_value_t, requires = "samples", help_heading = "Antialiasing")]
+    pub filter: FilterArg,
+    /// Other places for another number
+    #[arg(long, value_name = "S", default_value_t = 0, requires = "samples", help_heading = "Antialiasing")]
+    pub seed: u32,
     /// Let an output replace an input
     #[arg(long, help_heading = "Output")]
     pub force: bool,
@@ -114,6 +123,16 @@ pub(in crate::cli) struct RunArgs {
 
     #[command(flatten)]
     pub limits: LimitArgs,
+}
+
+/// A filter by its name.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(in crate::cli) enum FilterArg {
+    #[default]
+    Box,
+    Triangle,
+    CatmullRom,
+    Mitchell,
 }
 
 /// What a pixel may use up.
@@ -155,6 +174,18 @@ impl LimitArgs {
 }
 
 impl RunArgs {
+    /// How each pixel is sampled, if not in its middle alone.
+    pub fn sampling(&self) -> Option<Sampling> {
+        let filter = match self.filter {
+            FilterArg::Box => Filter::Box,
+            FilterArg::Triangle => Filter::Triangle,
+            FilterArg::CatmullRom => Filter::CatmullRom,
+            FilterArg::Mitchell => Filter::Mitchell,
+        };
+        let count = self.samples.filter(|n| *n > 1)? as u32;
+        Some(Sampling { count, filter, seed: self.seed })
+    }
+
     /// How files are written.
     pub fn write_options(&self) -> WriteOptions {
         WriteOptions { half: self.half, bits: self.bits, raw: self.raw, ..WriteOptions::default() }

@@ -4,6 +4,7 @@ use super::{Plan, RunArgs};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Inputs, Reader};
 use crate::cli::region::{Region, bands};
+use crate::eval::Places;
 use crate::image::{Image, Metadata, Variable};
 use crate::scene::Renderer;
 use std::borrow::Cow;
@@ -60,6 +61,19 @@ impl FrameInput {
         match self.region {
             Some(region) => region.cut(&self.about, 0),
             None => Ok(self.about.clone()),
+        }
+    }
+
+    /// What of an image comes from the scene, as it is seen at a sample's places.
+    pub fn resample(&self, image: &Image<'_>, places: &Places) -> Result<Image<'static>, String> {
+        let Some(scene) = &self.scene else { return Err("there is no scene".into()) };
+        let top = image.metadata.origin[1] as usize;
+        let rows = scene.rows_at(top..top + image.height, |pixel| places.offset(pixel));
+        let rows = rows.map_err(|error| error.to_string())?;
+        match rows.width == image.width {
+            true => Ok(rows),
+            // The rows hold all columns of it.
+            false => Region::held(image).cut(&rows, 0).map_err(|_| "the region lies outside".into()),
         }
     }
 

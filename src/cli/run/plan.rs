@@ -99,7 +99,7 @@ impl Plan {
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.min(MAX_THREADS)).build_global();
         }
         let sized = reads_size(&program) && args.pixelsize.is_none();
-        let near = sized || program.resolved().derivatives;
+        let near = sized || program.resolved().derivatives || args.sampling().is_some();
         // What tells which neighbours count, and where they are seen from.
         let incident = program.inputs().any(|name| name == "I");
         let looks =

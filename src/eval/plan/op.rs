@@ -1,9 +1,10 @@
 //! What a step of a plan computes.
 
 use super::strip::{Block, Zip, zip_numbers};
-use crate::builtin::{Curve, Lanes2, Lanes3, Octaves};
+use crate::builtin::{Curve, Lanes2, LanesN, Octaves};
 use crate::lanes::{Arg, Isa};
 use crate::noise::Field;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Operators that are joined two and two, where the result of one is only wanted by the other.
@@ -44,7 +45,7 @@ pub enum Op {
     /// The kernels of built-in functions.
     Map1(fn(Isa, &[f32], &mut [f32]), Cost),
     Map2(Lanes2, Cost),
-    Map3(Lanes3),
+    Maps(LanesN),
     /// The noise at a point.
     Noise(Arc<dyn Field>),
     /// Its derivative.
@@ -73,7 +74,7 @@ impl Op {
             Op::Costly(f) => Key(12, *f as usize, None),
             Op::Map1(f, _) => Key(5, *f as usize, None),
             Op::Map2(f, _) => Key(6, *f as usize, None),
-            Op::Map3(f) => Key(7, *f as usize, None),
+            Op::Maps(f) => Key(7, *f as usize, None),
             Op::Noise(field) => Key(8, address(field), None),
             Op::Derivative(field) => Key(9, address(field), None),
             Op::Octaves(octaves) => Key(11, Arc::as_ptr(octaves) as usize, None),
@@ -92,6 +93,7 @@ impl Op {
                 | Op::Zip(_)
                 | Op::Costly(_)
                 | Op::Map2(..)
+                | Op::Maps(_)
                 | Op::Curve(_)
         )
     }
@@ -138,9 +140,9 @@ impl Op {
                     &mut out[0].as_flattened_mut()[..lanes],
                 );
             }
-            Op::Map3(f) => {
-                let [a, b, c] = [args[0], args[1], args[2]].map(|a| &a.as_flattened()[..lanes]);
-                f(isa, a, b, c, &mut out[0].as_flattened_mut()[..lanes]);
+            Op::Maps(f) => {
+                let args: SmallVec<[Arg<'_>; 4]> = args.iter().map(|a| operand(a, lanes)).collect();
+                f(isa, &args, &mut out[0].as_flattened_mut()[..lanes]);
             }
             Op::Noise(field) => with_slices(args, lanes, |p| {
                 field.noise(isa, p, &mut out[0].as_flattened_mut()[..lanes]);
