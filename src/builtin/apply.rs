@@ -1,7 +1,7 @@
 //! Calling a built-in function, and what many kernels share: how a function of vectors meets vectors of them.
 
 use super::call::{Call, Fault, arg};
-use super::{Builtin, Kernel as Form, Lanes2};
+use super::{Builtin, Kernel as Form, Lanes2, LanesN};
 use crate::lanes::{Arg, Isa, Kernel};
 use crate::shape::Shape;
 use crate::value::{self, Lanes, Mismatch, Plane, Planes, Value};
@@ -15,11 +15,10 @@ impl Builtin {
             Form::Map2(kernel) => {
                 value::binary(&args[0], &args[1], |a, b| call.map2(a, b, kernel)).map_err(differ)?
             }
-            Form::Map3(kernel) => value::map3(&args[0], &args[1], &args[2], |a, b, c| {
-                let [out] = call.planes([a, b, c], |s, [out]| kernel(call.isa, s[0], s[1], s[2], out));
-                out
-            })
-            .map_err(differ)?,
+            Form::Maps(kernel) => match args.len() {
+                3 => call.maps::<3>(kernel)?,
+                _ => call.maps::<4>(kernel)?,
+            },
             Form::Fold(kernel) => {
                 let mut value = args[0].clone();
                 for next in &args[1..] {
@@ -52,6 +51,20 @@ impl Call<'_> {
     /// The component-by-component operation on the cells of two values.
     pub fn cells2(&self, a: &Value, b: &Value, kernel: Lanes2) -> Result<Value, Fault> {
         value::binary(a, b, |a, b| self.map2(a, b, kernel)).map_err(differ)
+    }
+
+    /// The component-by-component operation on the cells of `N` arguments.
+    fn maps<const N: usize>(&self, kernel: LanesN) -> Result<Value, Fault> {
+        let args: [&Value; N] = std::array::from_fn(|k| &self.args[k]);
+        value::map_cells(args, |planes| {
+            if planes.iter().all(|p| matches!(p, Plane::Uniform(_))) {
+                let mut out = [0.0];
+                kernel(self.isa, &planes.map(|p| Arg::Uniform(p.lane(0))), &mut out);
+                return Plane::Uniform(out[0]);
+            }
+            Plane::filled(self.n, |out| kernel(self.isa, &planes.map(|p| arg(p, self.n)), out))
+        })
+        .map_err(differ)
     }
 
     /// `K` planes from `N`: `f` is given the numbers of one lane and gives that lane's results. It should be an

@@ -1,8 +1,8 @@
 //! Arithmetic, component by component.
 
 use super::call::{Call, Fault};
-use super::{Builtin, Kernel, Lanes2, Param, ex};
-use crate::lanes::{Arg, Isa, map1, map2};
+use super::{Builtin, Kernel, Lanes2, Param, ex, steps};
+use crate::lanes::{Arg, Isa, map1, map2, map3};
 use crate::math;
 use crate::value::Value;
 
@@ -117,11 +117,12 @@ pub static FUNCTIONS: &[Builtin] = &[
     },
     Builtin {
         name: "frac",
-        params: &[Param::new("x")],
+        params: &[Param::new("x"), Param::or("width", "0")],
         brief: "How far x lies above the whole number below it: `x - floor(x)`.",
-        doc: "At least 0, for a negative x too, so that `frac` repeats with period 1 everywhere.",
-        examples: &[ex("frac([1.75 -0.25])", "[0.75 0.75]")],
-        kernel: Kernel::Map1(math::frac_lanes),
+        doc: "At least 0, for a negative x too, so that `frac` repeats with period 1 everywhere. With a width, the mean \
+              of that sawtooth over so much of x, as in [step](#step): a wide one comes to 1/2.",
+        examples: &[ex("frac([1.75 -0.25])", "[0.75 0.75]"), ex("frac(1, width = 0.5)", "0.5")],
+        kernel: Kernel::Map2(steps::frac),
     },
     Builtin {
         name: "mod",
@@ -160,13 +161,7 @@ pub static FUNCTIONS: &[Builtin] = &[
         doc: "NaN stays NaN. If low is above high, it is low below low and high elsewhere \
               (Peachey, *Texturing and Modeling*, chapter 2).",
         examples: &[ex("clamp([-1 0.5 3])", "[0 0.5 1]"), ex("clamp(7, 2, 5)", "5")],
-        kernel: Kernel::Map3(|isa, x, low, high, out| {
-            isa.run(|| {
-                for (((out, &x), &low), &high) in out.iter_mut().zip(x).zip(low).zip(high) {
-                    *out = clamp(x, low, high);
-                }
-            })
-        }),
+        kernel: Kernel::Maps(|isa, args, out| map3(isa, args[0], args[1], args[2], out, clamp)),
     },
     Builtin {
         name: "sqrt",

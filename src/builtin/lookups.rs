@@ -228,7 +228,7 @@ pub static FUNCTIONS: &[Builtin] = &[
               for normals and masks. \
               `width` is how much of the image to take the mean of, in the units of s and t: a scalar or \
               `[width_s width_t]`, and may differ from pixel to pixel. 0 is no wider than a texel. If it is not given, it \
-              is what the pixel covers, from the change of s and t to the neighbouring pixels (see [Du](#du)). \
+              is what the pixel covers, from the change of s and t to the neighbouring pixels (see [Du](#Du)). \
               `filter`: `\"mip\"` takes the mean from a mip map, several times side by side where one width is much \
               larger; `\"sat\"` takes the exact mean over a box, from a summed-area table, and needs three times the \
               memory. `\"nearest\"`, `\"bilinear\"` and `\"cubic\"` (a B-spline, a little soft) look at 1, 4 and 16 texels \

@@ -18,6 +18,7 @@ mod noise_sums;
 pub mod reference;
 mod shaping;
 mod splines;
+mod steps;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -96,8 +97,8 @@ const fn ex(code: &'static str, gives: &'static str) -> Example {
 /// A kernel of two numbers a lane, either of which may be one for all lanes.
 pub type Lanes2 = fn(Isa, Arg<'_>, Arg<'_>, &mut [f32]);
 
-/// A kernel of three numbers a lane.
-pub type Lanes3 = fn(Isa, &[f32], &[f32], &[f32], &mut [f32]);
+/// A kernel of several numbers a lane, any of which may be one for all lanes.
+pub type LanesN = fn(Isa, &[Arg<'_>], &mut [f32]);
 
 /// How a function is computed.
 #[derive(Clone, Copy)]
@@ -106,8 +107,8 @@ pub enum Kernel {
     Map1(fn(Isa, &[f32], &mut [f32])),
     /// Component by component, of two.
     Map2(Lanes2),
-    /// Component by component, of three, none of them uniform.
-    Map3(Lanes3),
+    /// Component by component, of three or four.
+    Maps(LanesN),
     /// Of any number: component by component from the left, as `max` of many is the `max` of two.
     Fold(Lanes2),
     /// Whatever looks at whole values.
@@ -131,6 +132,7 @@ pub static GROUPS: &[Group] = &[
     Group { title: "Vectors in space", functions: vectors::FUNCTIONS },
     Group { title: "Vectors as lists", functions: lists::FUNCTIONS },
     Group { title: "Matrices", functions: matrices::FUNCTIONS },
+    Group { title: "Steps", functions: steps::FUNCTIONS },
     Group { title: "Shaping", functions: shaping::FUNCTIONS },
     Group { title: "Derivatives", functions: derivatives::FUNCTIONS },
     Group { title: "Splines", functions: splines::FUNCTIONS },

@@ -1,40 +1,12 @@
-//! Functions that shape a signal: steps, blends, and curves of the unit interval, after Peachey's
+//! Functions that shape a signal: blends, and curves of the unit interval, after Peachey's
 //! chapter “Building Procedural Textures” (Ebert et al., *Texturing and Modeling*, chapter 2).
-//! Where there are edges or parameters they come first and the signal last, as in the RenderMan language.
+//! Where there are parameters they come first and the signal last, as in the RenderMan language.
 
 use super::apply::strips;
-use super::arithmetic::{clamp, min};
+use super::arithmetic::min;
 use super::{Builtin, Kernel, Param, ex};
-use crate::lanes::{Isa, map1, map2};
+use crate::lanes::{map1, map3};
 use crate::math;
-
-/// 0 below the edge, 1 from it on.
-#[inline(always)]
-fn step(edge: f32, x: f32) -> f32 {
-    f32::from(x >= edge)
-}
-
-/// How far x has come from a to b, from 0 to 1; where both are one point, a step there.
-#[inline(always)]
-fn ramp(a: f32, b: f32, x: f32) -> f32 {
-    let sloping = (x - a) / (b - a);
-    // Divided by zero it would be right or not by the sign of that zero. NaN stays NaN.
-    let steep = if x >= a { 1.0 } else { clamp(x, 0.0, 0.0) };
-    let t = if a == b { steep } else { sloping };
-    clamp(t, 0.0, 1.0)
-}
-
-#[inline(always)]
-fn smoothstep(a: f32, b: f32, x: f32) -> f32 {
-    let t = ramp(a, b, x);
-    t * t * (3.0 - 2.0 * t)
-}
-
-#[inline(always)]
-fn smootherstep(a: f32, b: f32, x: f32) -> f32 {
-    let t = ramp(a, b, x);
-    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-}
 
 /// The blend that gives a and b exactly at its ends.
 #[inline(always)]
@@ -87,72 +59,15 @@ fn cycloid(x: f32) -> f32 {
     1.0 + w * height
 }
 
-/// A kernel of three slices from a function of three numbers.
-macro_rules! map3 {
-    ($f:expr) => {
-        Kernel::Map3(|isa: Isa, a, b, c, out| {
-            isa.run(|| {
-                for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
-                    *out = $f(a, b, c);
-                }
-            })
-        })
-    };
-}
-
 /// Shaping.
 pub static FUNCTIONS: &[Builtin] = &[
-    Builtin {
-        name: "step",
-        params: &[Param::new("edge"), Param::new("x")],
-        brief: "0 where x is below the edge, 1 from the edge on.",
-        doc: "NaN counts as below.",
-        examples: &[ex("step(0.5, [0.4 0.5 0.6])", "[0 1 1]")],
-        kernel: Kernel::Map2(|isa, a, b, out| map2(isa, a, b, out, step)),
-    },
-    Builtin {
-        name: "boxstep",
-        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
-        brief: "A straight ramp from 0 at a to 1 at b.",
-        doc: "A step at b, filtered by a box as wide as `b - a`: `boxstep(b - w, b, x)` is an antialiased \
-              `step(b, x)` where w is the filter's width. With a above b it falls from 1 at b to 0 at a; with a \
-              equal to b it is a step.",
-        examples: &[ex("boxstep(1, 3, [0 1.5 4])", "[0 0.25 1]")],
-        kernel: map3!(ramp),
-    },
-    Builtin {
-        name: "smoothstep",
-        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
-        brief: "A smooth step from 0 at a to 1 at b.",
-        doc: "The cubic 3t² - 2t³, with slope 0 at both ends. With a above b it falls from 1 at b to 0 at a; with a \
-              equal to b it is a step.",
-        examples: &[ex("smoothstep(0, 1, [-1 0.25 0.5 2])", "[0 0.15625 0.5 1]")],
-        kernel: map3!(smoothstep),
-    },
-    Builtin {
-        name: "smootherstep",
-        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
-        brief: "A smooth step from 0 at a to 1 at b, with no curvature at its ends.",
-        doc: "The quintic 6t⁵ - 15t⁴ + 10t³ of Perlin, *Improving Noise*, 2002. Edges as in \
-              [smoothstep](#smoothstep).",
-        examples: &[ex("smootherstep(0, 1, [-1 0.25 0.5 2])", "[0 0.103515625 0.5 1]")],
-        kernel: map3!(smootherstep),
-    },
-    Builtin {
-        name: "pulse",
-        params: &[Param::new("a"), Param::new("b"), Param::new("x")],
-        brief: "1 from a up to b, 0 elsewhere.",
-        doc: "`step(a, x) - step(b, x)`. With `mod` it makes stripes: `pulse(0.4, 0.6, mod(x, 1))`.",
-        examples: &[ex("pulse(1, 2, [0.5 1 1.5 2])", "[0 1 1 0]")],
-        kernel: map3!(|a, b, x| step(a, x) - step(b, x)),
-    },
     Builtin {
         name: "mix",
         params: &[Param::new("a"), Param::new("b"), Param::new("t")],
         brief: "A blend: a where t is 0, b where t is 1.",
         doc: "`a * (1 - t) + b * t`, so a t outside 0 to 1 goes beyond a and b.",
         examples: &[ex("mix(10, 20, 0.3)", "13"), ex("mix([0 0 0], [1 2 4], 0.5)", "[0.5 1 2]")],
-        kernel: map3!(mix),
+        kernel: Kernel::Maps(|isa, args, out| map3(isa, args[0], args[1], args[2], out, mix)),
     },
     Builtin {
         name: "lerp",
@@ -161,7 +76,7 @@ pub static FUNCTIONS: &[Builtin] = &[
         doc: "The amount comes last, as in most shading languages. Perlin's own code has it first; by name it may \
               stand anywhere: `lerp(t = 0.3, a = 10, b = 20)`.",
         examples: &[ex("lerp(10, 20, 0.3)", "13")],
-        kernel: map3!(mix),
+        kernel: Kernel::Maps(|isa, args, out| map3(isa, args[0], args[1], args[2], out, mix)),
     },
     Builtin {
         name: "bias",

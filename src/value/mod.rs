@@ -12,7 +12,7 @@ mod shapes;
 pub use mask::{Mask, Width};
 pub use pixel::PixelValue;
 pub use plane::{Lanes, Plane, live_bytes};
-pub use shapes::{Mismatch, binary, broadcast_shape, map_cells, map1, map3};
+pub use shapes::{Mismatch, binary, broadcast_shape, map_cells, map1};
 
 use crate::shape::Shape;
 use smallvec::{SmallVec, smallvec};

@@ -81,16 +81,6 @@ pub fn binary(a: &Value, b: &Value, mut f: impl FnMut(&Plane, &Plane) -> Plane) 
     map_cells([a, b], |[a, b]| f(a, b))
 }
 
-/// Applies `f` to the cells of three values.
-pub fn map3(
-    a: &Value,
-    b: &Value,
-    c: &Value,
-    mut f: impl FnMut(&Plane, &Plane, &Plane) -> Plane,
-) -> Result<Value, Mismatch> {
-    map_cells([a, b, c], |[a, b, c]| f(a, b, c))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

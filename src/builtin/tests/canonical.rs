@@ -18,8 +18,9 @@ enum Formula {
     One(fn(f64) -> f64),
     Two(fn(f64, f64) -> f64),
     Three(fn(f64, f64, f64) -> f64),
+    Four(fn(f64, f64, f64, f64) -> f64),
 }
-use Formula::{One, Three, Two};
+use Formula::{Four, One, Three, Two};
 
 const fn line(name: &'static str, f: Formula, error: f64) -> Line {
     Line { name, f, error, absolute: false }
@@ -40,6 +41,39 @@ fn ramp(a: f64, b: f64, x: f64) -> f64 {
         step(a, x)
     } else {
         ((x - a) / (b - a)).clamp(0.0, 1.0)
+    }
+}
+
+/// The share of a box of that width about x that lies above a.
+fn above(a: f64, x: f64, width: f64) -> f64 {
+    ((x - a) / width.abs() + 0.5).clamp(0.0, 1.0)
+}
+
+/// A curve from 0 at a to 1 at b under a box: Gauss's rule of three points is exact for the pieces inside.
+fn curve(f: fn(f64) -> f64, a: f64, b: f64, x: f64, width: f64) -> f64 {
+    if width == 0.0 || width.is_nan() {
+        return f(ramp(a, b, x)) + 0.0 * width;
+    }
+    if a == b {
+        return above(a, x, width);
+    }
+    let (t, half) = ((x - a) / (b - a), 0.5 * (width / (b - a)).abs());
+    let (low, high) = ((t - half).clamp(0.0, 1.0), (t + half).clamp(0.0, 1.0));
+    let (middle, reach) = (0.5 * (low + high), 0.5 * (high - low) * 0.6f64.sqrt());
+    let mean = (5.0 * f(middle - reach) + 8.0 * f(middle) + 5.0 * f(middle + reach)) / 18.0;
+    let inside = (above(0.0, t, 2.0 * half) - above(1.0, t, 2.0 * half)).abs();
+    inside * mean + above(1.0, t, 2.0 * half)
+}
+
+/// The integral of the Catmull-Rom filter from 0 on.
+fn catmull_rom(t: f64) -> f64 {
+    match t.abs() {
+        a if a < 1.0 => t * (1.0 - 5.0 * a * a / 6.0 + 3.0 * a * a * a / 8.0),
+        a if a < 2.0 => {
+            (2.0 * a - 2.0 * a * a + 5.0 * a * a * a / 6.0 - a * a * a * a / 8.0 - 1.0 / 6.0).copysign(t)
+        }
+        a if a.is_nan() => a,
+        _ => 0.5f64.copysign(t),
     }
 }
 
@@ -112,7 +146,12 @@ const LINES: &[Line] = &[
     line("linear_to_srgb", One(encode), 16.0),
     line("srgb_to_linear", One(decode), 64.0),
     line("pow", Two(libm::pow), 4.0),
-    near_one("step", Two(step), 0.0),
+    near_one("step", Three(|a, x, w| if w == 0.0 { step(a, x) } else { above(a, x, w) }), 1.0),
+    near_one(
+        "catstep",
+        Three(|a, x, w| if w == 0.0 { step(a, x) } else { 0.5 + catmull_rom((x - a) / w.abs()) }),
+        2.0,
+    ),
     near_one("bias", Two(bias), 64.0),
     near_one("gain", Two(gain), 64.0),
     line("gammacorrect", Two(|gamma, x| libm::pow(x, 1.0 / gamma)), 200.0),
@@ -130,29 +169,27 @@ const LINES: &[Line] = &[
         0.0,
     ),
     near_one("boxstep", Three(ramp), 8.0),
-    near_one(
-        "smoothstep",
-        Three(|a, b, x| {
-            let t = ramp(a, b, x);
-            t * t * (3.0 - 2.0 * t)
-        }),
-        16.0,
-    ),
+    near_one("smoothstep", Four(|a, b, x, w| curve(|t| t * t * (3.0 - 2.0 * t), a, b, x, w)), 16.0),
     near_one(
         "smootherstep",
-        Three(|a, b, x| {
-            let t = ramp(a, b, x);
-            t * t * t * (t * (6.0 * t - 15.0) + 10.0)
-        }),
+        Four(|a, b, x, w| curve(|t| t * t * t * (t * (6.0 * t - 15.0) + 10.0), a, b, x, w)),
         64.0,
     ),
-    near_one("pulse", Three(|a, b, x| step(a, x) - step(b, x)), 0.0),
+    near_one(
+        "pulse",
+        Four(|a, b, x, w| match w {
+            0.0 => step(a, x) - step(b, x),
+            _ => above(a, x, w) - above(b, x, w),
+        }),
+        1.0,
+    ),
     near_one("mix", Three(|a, b, t| a * (1.0 - t) + b * t), 64.0),
     near_one("lerp", Three(|a, b, t| a * (1.0 - t) + b * t), 64.0),
 ];
 
 /// Functions whose value hangs on the last bits of their arguments are tested beside their definition, in `crate::math`.
-const ELSEWHERE: &[&str] = &["round", "frac", "mod", "tan", "hypot"];
+/// Those of a period under a box are integrated in [`super::filtered`].
+const ELSEWHERE: &[&str] = &["round", "frac", "mod", "tan", "hypot", "pulsetrain"];
 
 const AWKWARD: &[f32] = &[
     0.0,
@@ -201,7 +238,7 @@ fn close(line: &Line, found: f32, exact: f64) -> bool {
 }
 
 /// Runs a function on the awkward numbers, `n` lanes at a time; argument `k` is uniform if bit `k` is set.
-fn run(name: &str, isa: Isa, n: usize, uniform: usize, args: &[Vec<f32>]) -> Vec<f32> {
+pub(super) fn run(name: &str, isa: Isa, n: usize, uniform: usize, args: &[Vec<f32>]) -> Vec<f32> {
     let builtin = find(name).unwrap();
     let values: Vec<Value> = args
         .iter()
@@ -227,6 +264,7 @@ fn each_function_is_its_formula() {
             One(_) => 1,
             Two(_) => 2,
             Three(_) => 3,
+            Four(_) => 4,
         };
         let count = AWKWARD.len();
         let n = count.pow(arity);
@@ -239,11 +277,12 @@ fn each_function_is_its_formula() {
                 One(f) => f(x[0]),
                 Two(f) => f(x[0], x[1]),
                 Three(f) => f(x[0], x[1], x[2]),
+                Four(f) => f(x[0], x[1], x[2], x[3]),
             };
             // Far out, the argument's own steps are larger than the period.
             let skip = line.name == "cycloid" && x[0].abs() > 100.0;
             // Where f32 overflows on the way and f64 does not, the exact value is another.
-            let limit = [f64::INFINITY, 1e35, 1e9][arity as usize - 1];
+            let limit = [f64::INFINITY, 1e35, 1e9, 1e9][arity as usize - 1];
             let huge = x.iter().any(|x| x.abs() > limit);
             if !skip && !huge && !close(line, found[i], exact) {
                 wrong.push(format!("{}{x:?}: {} and not {exact}", line.name, found[i]));

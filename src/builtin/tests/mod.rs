@@ -1,6 +1,7 @@
 //! What holds for every function of the table. Their examples are run by `tests/reference.rs`.
 
 mod canonical;
+mod filtered;
 
 use super::{ParamKind, all};
 use crate::program::{Error, Program, RunOptions};
@@ -48,7 +49,7 @@ fn every_entry_is_complete() {
         let count = match b.kernel {
             super::Kernel::Map1(_) => 1,
             super::Kernel::Map2(_) => 2,
-            super::Kernel::Map3(_) => 3,
+            super::Kernel::Maps(_) => b.params.len().clamp(3, 4),
             super::Kernel::Fold(_) | super::Kernel::Whole(_) | super::Kernel::Shadowed(_) => b.params.len(),
         };
         assert_eq!(b.params.len(), count, "{} has another number of parameters than its kernel", b.name);

@@ -25,8 +25,11 @@ impl<'r> Builder<'_, 'r> {
             Kernel::Map2(kernel) => {
                 self.meet([&values[0], &values[1]], |graph, args| graph.one(Op::Map2(kernel), &args))
             }
-            Kernel::Map3(kernel) => self
-                .meet([&values[0], &values[1], &values[2]], |graph, args| graph.one(Op::Map3(kernel), &args)),
+            Kernel::Maps(kernel) => match &values[..] {
+                [a, b, c] => self.meet([a, b, c], |graph, args| graph.one(Op::Maps(kernel), &args)),
+                [a, b, c, d] => self.meet([a, b, c, d], |graph, args| graph.one(Op::Maps(kernel), &args)),
+                _ => Err(GiveUp),
+            },
             Kernel::Fold(kernel) => {
                 let mut sum = values[0].clone();
                 for next in &values[1..] {

@@ -1,9 +1,10 @@
 //! What a step of a plan computes.
 
 use super::strip::{Block, Zip, zip_numbers};
-use crate::builtin::{Curve, Lanes2, Lanes3, Octaves};
+use crate::builtin::{Curve, Lanes2, LanesN, Octaves};
 use crate::lanes::{Arg, Isa};
 use crate::noise::Field;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Operators that are joined two and two, where the result of one is only wanted by the other.
@@ -35,7 +36,7 @@ pub enum Op {
     /// The kernels of built-in functions.
     Map1(fn(Isa, &[f32], &mut [f32])),
     Map2(Lanes2),
-    Map3(Lanes3),
+    Maps(LanesN),
     /// The noise at a point.
     Noise(Arc<dyn Field>),
     /// Its derivative.
@@ -63,7 +64,7 @@ impl Op {
             Op::Zip(f) => Key(4, *f as usize, None),
             Op::Map1(f) => Key(5, *f as usize, None),
             Op::Map2(f) => Key(6, *f as usize, None),
-            Op::Map3(f) => Key(7, *f as usize, None),
+            Op::Maps(f) => Key(7, *f as usize, None),
             Op::Noise(field) => Key(8, address(field), None),
             Op::Derivative(field) => Key(9, address(field), None),
             Op::Octaves(octaves) => Key(11, Arc::as_ptr(octaves) as usize, None),
@@ -75,7 +76,14 @@ impl Op {
     pub fn takes_blocks(&self) -> bool {
         matches!(
             self,
-            Op::Fill | Op::Arith(_) | Op::Left(..) | Op::Right(..) | Op::Zip(_) | Op::Map2(_) | Op::Curve(_)
+            Op::Fill
+                | Op::Arith(_)
+                | Op::Left(..)
+                | Op::Right(..)
+                | Op::Zip(_)
+                | Op::Map2(_)
+                | Op::Maps(_)
+                | Op::Curve(_)
         )
     }
 
@@ -100,9 +108,9 @@ impl Op {
                     &mut out[0].as_flattened_mut()[..lanes],
                 );
             }
-            Op::Map3(f) => {
-                let [a, b, c] = [args[0], args[1], args[2]].map(|a| &a.as_flattened()[..lanes]);
-                f(isa, a, b, c, &mut out[0].as_flattened_mut()[..lanes]);
+            Op::Maps(f) => {
+                let args: SmallVec<[Arg<'_>; 4]> = args.iter().map(|a| operand(a, lanes)).collect();
+                f(isa, &args, &mut out[0].as_flattened_mut()[..lanes]);
             }
             Op::Noise(field) => with_slices(args, lanes, |p| {
                 field.noise(isa, p, &mut out[0].as_flattened_mut()[..lanes]);
