@@ -2,8 +2,8 @@
 
 use pse::{Program, RunOptions, scene};
 
-const WIDTH: usize = 160;
-const HEIGHT: usize = 120;
+const WIDTH: usize = 96;
+const HEIGHT: usize = 72;
 
 /// A scalar or a colour's green of a program on the scene `floor`, so many times as fine as a small picture.
 fn floor(text: &str, finer: usize) -> Vec<f64> {
@@ -22,7 +22,7 @@ fn floor(text: &str, finer: usize) -> Vec<f64> {
 
 #[test]
 fn a_pixel_shows_the_mean_of_what_it_covers() {
-    // The pattern, and how far it may be from the mean of 64 samples a pixel: rms near the horizon, and its own mean.
+    // The pattern, and how far it may be from the mean of 36 samples a pixel: rms near the horizon, and its own mean.
     let patterns = [
         ("checker(uv)", 0.07, 0.003),
         ("checker(3 * point + 0.1)", 0.12, 0.003),
@@ -39,7 +39,7 @@ fn a_pixel_shows_the_mean_of_what_it_covers() {
     let mut wrong = Vec::new();
     for (pattern, rms, shift) in patterns {
         let text = format!("color = surface == 1 ? white * {pattern} : black\n");
-        let (coarse, fine) = (floor(&text, 1), floor(&text, 8));
+        let (coarse, fine) = (floor(&text, 1), floor(&text, 6));
         // The upper third, where the floor recedes; things stand in the rest.
         let far = 0..WIDTH * HEIGHT / 6;
         let count = far.len() as f64;
