@@ -55,13 +55,7 @@ fn pulsetrain(x: f32, duty: f32) -> f32 {
 /// From 0 to 1; NaN stays NaN.
 #[inline(always)]
 fn unit(x: f64) -> f64 {
-    if x < 0.0 {
-        0.0
-    } else if x > 1.0 {
-        1.0
-    } else {
-        x
-    }
+    x.clamp(0.0, 1.0)
 }
 
 /// The smaller number; NaN if either is.
