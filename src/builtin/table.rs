@@ -132,3 +132,17 @@ pub fn table(call: &Call<'_>) -> Result<Value, Fault> {
         Ok(Value { shape: first.shape.clone(), planes: planes.collect() })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Lane;
+
+    #[test]
+    fn nan_gives_nan() {
+        let lane = |periodic| Lane { knots: &[1.0, 3.0], areas: &[0.0, 2.0, 4.0], periodic };
+        for periodic in [false, true] {
+            assert!(lane(periodic).mean(0.5, f32::NAN).is_nan());
+            assert!(lane(periodic).mean(f32::NAN, 0.5).is_nan());
+        }
+    }
+}
