@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the pictures of docs/gallery.md: runs every example as its head comment says, into docs/pictures.
-# docs/gallery.sh [WIDTHxHEIGHT]
+# docs/gallery.sh [WIDTHxHEIGHT [NAME...]]: all of them, or those named (with those that they read).
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 size=${1:-480x360}
@@ -10,9 +10,16 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 ln -s "$root/examples" examples
 PATH="$root/target/release:$PATH"
+shift || true
+programs=(examples/*.pse)
+[ $# -eq 0 ] || programs=("${@/#/examples/}") programs=("${programs[@]/%/.pse}")
+lines=$(grep -h '^# pse run' "${programs[@]}" | sed 's/^# //')
 # What reads a picture comes after what makes it.
-lines=$(grep -h '^# pse run' examples/*.pse | sed 's/^# //')
-{ grep -v -e ' -i ' <<<"$lines"; grep -e ' -i ' <<<"$lines" | grep -v '='; grep -e ' -i [a-z]*=' <<<"$lines"; } |
+{
+    grep -v -e ' -i ' <<<"$lines" || true
+    grep -e ' -i ' <<<"$lines" | grep -v '=' || true
+    grep -e ' -i [a-z]*=' <<<"$lines" || true
+} |
 while read -r line; do
     case $line in
         *' -i '*) ;;

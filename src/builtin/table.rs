@@ -57,12 +57,13 @@ impl Lane<'_> {
     /// The mean over a width about x.
     fn mean(&self, x: f32, width: f32) -> f32 {
         let (x, width) = (f64::from(x), f64::from(width).abs());
-        // Farther out, and wider, there is nothing new; near places keep their precision.
-        let width = width.clamp(0.0, 1e6);
-        let x = if self.periodic { x - x.floor() } else { x.clamp(-0.5 * width, 1.0 + 0.5 * width) };
+        // Before all else: bounds that are NaN would be a panic of clamp.
         if x.is_nan() || width.is_nan() {
             return f32::NAN;
         }
+        // Farther out, and wider, there is nothing new; near places keep their precision.
+        let width = width.clamp(0.0, 1e6);
+        let x = if self.periodic { x - x.floor() } else { x.clamp(-0.5 * width, 1.0 + 0.5 * width) };
         let (u, width) = (x * self.pieces(), width * self.pieces());
         if width < POINT {
             return self.value(u) as f32;
@@ -130,4 +131,18 @@ pub fn table(call: &Call<'_>) -> Result<Value, Fault> {
         });
         Ok(Value { shape: first.shape.clone(), planes: planes.collect() })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Lane;
+
+    #[test]
+    fn nan_gives_nan() {
+        let lane = |periodic| Lane { knots: &[1.0, 3.0], areas: &[0.0, 2.0, 4.0], periodic };
+        for periodic in [false, true] {
+            assert!(lane(periodic).mean(0.5, f32::NAN).is_nan());
+            assert!(lane(periodic).mean(f32::NAN, 0.5).is_nan());
+        }
+    }
 }

@@ -32,6 +32,14 @@ static FILES: &[(&str, &str)] = &[
     ("library/waves.pse", include_str!("../library/waves.pse")),
     ("library/light.pse", include_str!("../library/light.pse")),
     ("library/noises.pse", include_str!("../library/noises.pse")),
+    ("library/shading.pse", include_str!("../library/shading.pse")),
+    ("library/patterns.pse", include_str!("../library/patterns.pse")),
+    ("library/stones.pse", include_str!("../library/stones.pse")),
+    ("library/woods.pse", include_str!("../library/woods.pse")),
+    ("library/skies.pse", include_str!("../library/skies.pse")),
+    ("library/planets.pse", include_str!("../library/planets.pse")),
+    ("library/fires.pse", include_str!("../library/fires.pse")),
+    ("library/films.pse", include_str!("../library/films.pse")),
 ];
 
 static ENTRIES: LazyLock<Vec<Entry>> = LazyLock::new(|| {
