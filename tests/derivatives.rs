@@ -13,10 +13,12 @@ fn image() -> Image<'static> {
     let at = |f: &dyn Fn(f32, f32) -> f32| -> Vec<f32> {
         (0..WIDTH * HEIGHT).map(|i| f((i % WIDTH) as f32, (i / WIDTH) as f32)).collect()
     };
-    let surface = |c: f32, r: f32| f32::from(u8::from((c - 15.0).powi(2) + (r - 9.0).powi(2) < 50.0)) + 1.0;
+    let surface =
+        |c: f32, r: f32| f32::from(u8::from((c - 15.0) * (c - 15.0) + (r - 9.0) * (r - 9.0) < 50.0)) + 1.0;
     let hole = |c: f32, r: f32| if (c * 7.0 + r * 3.0) % 11.0 == 0.0 { f32::NAN } else { c * c };
     let variables = [
-        Variable::new("x", Shape::Scalar, [at(&|c, r| (c * 0.3).sin() * (r * 0.2).cos())]).unwrap(),
+        Variable::new("x", Shape::Scalar, [at(&|c, r| pse::math::sin(c * 0.3) * pse::math::cos(r * 0.2))])
+            .unwrap(),
         Variable::new("surface", Shape::Scalar, [at(&surface)]).unwrap(),
         Variable::new("hole", Shape::Scalar, [at(&hole)]).unwrap(),
         Variable::new(
@@ -50,7 +52,7 @@ fn change(plane: &[f32], surface: Option<&[f32]>, column: usize, row: usize, alo
     } else if place > 0 && counts(here - step) {
         (plane[here] + (plane[here] - plane[here - step])) - plane[here]
     } else {
-        plane[here] - plane[here]
+        if plane[here].is_finite() { 0.0 } else { f32::NAN }
     }
 }
 
@@ -100,6 +102,7 @@ fn normals_are_those_of_the_surface() {
     let length = cross.iter().map(|x| x * x).sum::<f32>().sqrt();
     assert!(cross[2] > 0.0, "towards the eye that looks along -z");
     let mut alone = 0;
+    #[allow(clippy::needless_range_loop, reason = "three planes at once")]
     for i in 0..WIDTH * HEIGHT {
         // A pixel with no neighbour of its surface on either side of it.
         if (0..3).all(|cell| planes[cell][i] == 0.0) {
