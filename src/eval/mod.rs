@@ -13,6 +13,7 @@ mod flow;
 mod host_function;
 mod index;
 mod limits;
+mod load;
 mod machine;
 mod ops;
 mod output;
