@@ -7,6 +7,9 @@ use crate::scene::SceneError;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
+/// The exit status of a command that was interrupted, as shells have it.
+pub(super) const INTERRUPTED: u8 = 130;
+
 /// Why a command did not do what was asked.
 #[derive(Debug)]
 pub(super) enum Failure {
@@ -44,6 +47,10 @@ impl Failure {
     /// Says it on standard error.
     pub fn report(self) -> ExitCode {
         match self {
+            Failure::Program(error) if error.cancelled => {
+                warn("interrupted; the unfinished output was not written");
+                return ExitCode::from(INTERRUPTED);
+            }
             Failure::Program(error) => warn(error.render(style()).trim_end()),
             Failure::Plain(diagnostic) => show(&diagnostic),
             Failure::Usage(diagnostic) => {

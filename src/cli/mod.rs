@@ -36,7 +36,7 @@ Examples:
   pse noise -o noise.png                       the kinds of noise, with their spectra
   pse doc Noise                                what a function does
 
-Exit status: 0 if all went well, 1 if a program or a file is at fault, 2 if the arguments are.";
+Exit status: 0 if all went well, 1 if a program or a file is at fault, 2 if the arguments are, 130 if interrupted.";
 
 /// The pixel stream editor: runs a small program at every pixel of an image
 #[derive(Debug, Parser)]

@@ -8,7 +8,7 @@ mod stream;
 
 pub(super) use args::RunArgs;
 
-use super::failure::{Failure, show, warn};
+use super::failure::{self, Failure, show, warn};
 use super::output;
 use super::progress::Bar;
 use super::region::Region;
@@ -19,12 +19,21 @@ use crate::program::{Progress, RunOptions};
 use input::FrameInput;
 use plan::{Output, Plan};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 use stream::Outcome;
 
+/// Set by an interrupt: the run ends, and cleans up behind it.
+static CANCEL: AtomicBool = AtomicBool::new(false);
+
 /// Runs the program on each frame.
 pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
+    // A second interrupt ends the process as it is. Where there can be no handler the first one does.
+    let _ = ctrlc::set_handler(|| {
+        if CANCEL.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(failure::INTERRUPTED));
+        }
+    });
     let plan = Plan::new(args)?;
     let moving = args.input.iter().any(|i| super::frames::has_pattern(&i.path));
     // What is run several times is read once.
@@ -90,7 +99,7 @@ fn compute(
         profile: args.profile,
         limits: args.limits.limits(),
         texture_memory: Some(args.limits.textures()),
-        cancel: None,
+        cancel: Some(&CANCEL),
         progress: Some(&progress),
         missing: Some(&missing),
     };

@@ -8,7 +8,7 @@ const SIZE: &str = "--size 900x800";
 #[test]
 fn bands_equal_the_whole() {
     let f = Folder::new();
-    f.write("p.pse", "color = [point.x pixelsize pixel.y]\ndepth = depth\n");
+    f.write("p.pse", "color = [point.x pixelsize pixel.y] + filterwidth(point)\ndepth = Dv(depth)\n");
     f.good(&format!("scene donut -o g.exr {SIZE}"));
     f.good("run p.pse -i g.exr -o bands.exr --vars color,depth,normal");
     // What is repeated runs in one piece.
@@ -56,4 +56,31 @@ fn the_first_error_in_reading_order_is_told() {
     assert_eq!(load(&f.path("g.exr")).width, 900);
     let files: Vec<_> = std::fs::read_dir(f.path("")).expect("a folder").collect();
     assert_eq!(files.len(), 4, "nothing is left behind: {files:?}");
+}
+
+/// An interrupted run leaves nothing behind: no output, and no temporary file.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_cleans_up() {
+    let f = Folder::new();
+    let slow = "i = 0\nwhile i < 900\n    i += 1 + 0 * Noise(i * point)\ncolor = white * i\n";
+    f.write("slow.pse", slow);
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_pse"))
+        .current_dir(f.path(""))
+        .args(["run", "slow.pse", "--size", "2000x2000", "-o", "out.exr"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the command");
+    // Until the first band is written: only then is there something to clean up.
+    let begun = std::time::Instant::now();
+    let files = || std::fs::read_dir(f.path("")).expect("a folder").count();
+    while files() < 2 && begun.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    assert_eq!(files(), 2, "the output has begun");
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("kill").success());
+    let ended = child.wait().expect("an end");
+    assert_eq!(ended.code(), Some(130));
+    assert_eq!(files(), 1, "nothing is left behind");
 }

@@ -131,7 +131,7 @@ fn the_same_bytes_however_it_runs() {
 #[test]
 fn a_region_is_a_cut_of_the_whole() {
     let f = Folder::new();
-    f.write("r.pse", "color = [point.x pixelsize 1]\nat = pixel\n");
+    f.write("r.pse", "color = [point.x pixelsize Du(normal.x) + Dv(uv.x)]\nat = pixel\n");
     f.good("run r.pse -o whole.exr --size 60x40 --vars color,at");
     let ended = f.good("run r.pse -o part.exr --size 60x40 --vars color,at --region 20,10,50,35");
     assert!(ended.err.contains("(30x25 at 20,10,50,35)"), "{}", ended.err);
