@@ -64,6 +64,18 @@ fn commands() {
 }
 
 #[test]
+fn what_is_set_does_not_stand_in_the_way() {
+    let lines = "param veins = 4\n:set veins 7\nveins\n:clear\n1+1\nparam veins = 3\nveins\n";
+    assert_eq!(good(lines), "7\n2\n3\n");
+    let (out, err, ok) = piped(&[], ":set veins 7\n:set veins [1\n2+2\n:save\n:save x.pse\n");
+    assert!(!ok && out == "4\n", "{out}");
+    assert!(err.contains("no param `veins`") && err.contains("the program is empty"), "{err}");
+    assert!(!err.contains("it ="), "{err}");
+    let camera = ["--space", "object=translation([0 0 frame])", "--frame", "3"];
+    assert_eq!(piped(&camera, "transform(\"object\", [0 0 0])\n").0, "[0 0 3]\n");
+}
+
+#[test]
 fn programs_are_loaded_and_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();

@@ -103,7 +103,7 @@ pub(super) fn text(name: &str) -> Result<String, Failure> {
 }
 
 /// All names by group, a line each.
-fn list() -> String {
+pub(super) fn list() -> String {
     let entries = entries();
     let mut text = String::new();
     let mut last = "";

@@ -19,6 +19,8 @@ pub(super) enum Failure {
     Plain(Box<Diagnostic>),
     /// The arguments contradict each other, in a way that clap cannot see.
     Usage(Box<Diagnostic>),
+    /// The user wanted no more of it.
+    Interrupted,
     /// All is said already.
     Said,
     /// Nobody reads standard output any more, which is no fault.
@@ -47,7 +49,7 @@ impl Failure {
     /// Says it on standard error.
     pub fn report(self) -> ExitCode {
         match self {
-            Failure::Program(error) if error.cancelled => {
+            Failure::Interrupted => {
                 warn("interrupted; the unfinished output was not written");
                 return ExitCode::from(INTERRUPTED);
             }
@@ -66,7 +68,7 @@ impl Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Failure {
-        Failure::Program(Box::new(error))
+        if error.cancelled { Failure::Interrupted } else { Failure::Program(Box::new(error)) }
     }
 }
 

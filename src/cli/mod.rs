@@ -12,6 +12,7 @@ mod fmt;
 mod frames;
 mod info;
 mod input;
+mod interrupt;
 mod noise;
 mod output;
 mod progress;

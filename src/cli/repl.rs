@@ -7,12 +7,14 @@ mod session;
 
 use super::failure::{Failure, warn};
 use super::input::{InputArg, Inputs, MapArg};
+use super::interrupt::{self, CANCEL};
+use super::run::{LimitArgs, set, space};
 use super::view::ViewArgs;
 use crate::image::Image;
 use crate::syntax::is_incomplete;
 use clap::Args;
 use line::{Editor, Read};
-use session::{CANCEL, Session};
+use session::Session;
 use std::io::{self, BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -38,17 +40,32 @@ pub(super) struct ReplArgs {
     /// Read a variable from other channels than the names suggest
     #[arg(long, value_name = "NAME=CHANNELS")]
     map: Vec<MapArg>,
+    /// Set a param to an expression: veins=6
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
+    #[arg(long, value_name = "NAME=MATRIX")]
+    space: Vec<String>,
+    /// The number of the frame
+    #[arg(long, value_name = "N", default_value_t = 0.0, allow_negative_numbers = true)]
+    frame: f32,
     /// Look for imported files and for textures in this folder too
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 /// Runs a session until its end.
 pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
     let (image, inputs) = load(args)?;
     let mut session = Session::new(image, inputs, args.path.clone());
+    session.frame = args.frame;
+    session.limits = args.limits.limits();
+    session.set = args.set.iter().map(|text| set(text, args.frame)).collect::<Result<_, _>>()?;
+    session.spaces = args.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
     if let Some(program) = &args.program {
         session.load(program)?;
     }
@@ -80,8 +97,7 @@ fn load(args: &ReplArgs) -> Result<(Image<'static>, Inputs), Failure> {
 
 /// With prompts, history and completion.
 fn at_terminal(mut session: Session) -> Result<(), Failure> {
-    // Without a handler the key would end the session, and not the run.
-    let _ = ctrlc::set_handler(|| CANCEL.store(true, Ordering::Relaxed));
+    interrupt::watch(false);
     let mut editor = Editor::new()?;
     let about = session.about();
     println!("pse {}: {about}. :help tells what there is, :quit ends.", env!("CARGO_PKG_VERSION"));
@@ -110,7 +126,10 @@ fn piped(mut session: Session) -> Result<(), Failure> {
         // A line that is no part of the block before it begins something new.
         let indented = line.as_ref().is_some_and(|l| l.starts_with([' ', '\t']) || l.trim().is_empty());
         let goes_on = |word: &str| line.as_ref().is_some_and(|l| l.split_whitespace().next() == Some(word));
-        let more = is_incomplete(text.trim_end_matches('\n')) && (indented || goes_on("else") || open(&text));
+        let command = text.trim_start().starts_with(':');
+        let more = !command
+            && is_incomplete(text.trim_end_matches('\n'))
+            && (indented || goes_on("else") || open(&text));
         if !text.trim().is_empty() && (end || !more) {
             good &= session.answer_errors(&text);
             text.clear();
@@ -148,6 +167,10 @@ impl Session {
                 true
             }
             Err(Failure::Said) => false,
+            Err(Failure::Interrupted) => {
+                note("cancelled");
+                false
+            }
             Err(failure) => {
                 failure.report();
                 false

@@ -6,9 +6,11 @@ mod plan;
 mod profile;
 mod stream;
 
-pub(super) use args::RunArgs;
+pub(super) use args::{LimitArgs, RunArgs};
+pub(super) use plan::{set, space};
 
-use super::failure::{self, Failure, show, warn};
+use super::failure::{Failure, show, warn};
+use super::interrupt::{self, CANCEL};
 use super::output;
 use super::progress::Bar;
 use super::region::Region;
@@ -19,21 +21,13 @@ use crate::program::{Progress, RunOptions};
 use input::FrameInput;
 use plan::{Output, Plan};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use stream::Outcome;
 
-/// Set by an interrupt: the run ends, and cleans up behind it.
-static CANCEL: AtomicBool = AtomicBool::new(false);
-
 /// Runs the program on each frame.
 pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
-    // A second interrupt ends the process as it is. Where there can be no handler the first one does.
-    let _ = ctrlc::set_handler(|| {
-        if CANCEL.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(failure::INTERRUPTED));
-        }
-    });
+    interrupt::watch(true);
     let plan = Plan::new(args)?;
     let moving = args.input.iter().any(|i| super::frames::has_pattern(&i.path));
     // What is run several times is read once.
@@ -84,13 +78,15 @@ fn compute(
         _ => inputs.missing(name),
     };
     let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
+    // What is set may depend on the frame.
+    let (set, spaces) = plan::values(args, frame)?;
     let options = RunOptions {
         samples: args.sampling(),
         resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
         frame,
-        set: plan.set.clone(),
+        set,
         pixelsize: args.pixelsize,
-        spaces: plan.spaces.clone(),
+        spaces,
         outputs: plan.vars.clone(),
         threads: args.threads,
         batch: args.batch,

@@ -41,9 +41,9 @@ impl Stats {
         self.run().as_nanos() as f64 / self.pixels.max(1) as f64
     }
 
-    /// Millions of pixels a second.
+    /// Millions of pixels a second, of all of it.
     pub fn rate(&self) -> f64 {
-        self.pixels as f64 / 1e6 / self.run().as_secs_f64().max(1e-9)
+        self.pixels as f64 / 1e6 / self.wall.as_secs_f64().max(1e-9)
     }
 
     /// Tells everything.
@@ -52,7 +52,7 @@ impl Stats {
         warn(&format!("read                 {}", seconds(self.read)));
         warn(&format!("run                  {}", seconds(self.run())));
         warn(&format!("write                {}", seconds(self.write)));
-        warn(&format!("in all               {}", seconds(self.wall)));
+        warn(&format!("in all               {}, the three overlap", seconds(self.wall)));
         warn(&format!("run                  {:.2} ns/pixel", self.per_pixel()));
         if self.samples > 1 {
             warn(&format!("samples              {}", self.samples));

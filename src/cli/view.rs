@@ -1,6 +1,7 @@
 //! Built-in scenes: `pse scene`, and the options that choose a view of one.
 
 use super::failure::{Failure, print, warn};
+use super::interrupt;
 use super::output;
 use super::progress::Bar;
 use super::region::bands;
@@ -9,6 +10,7 @@ use crate::program::Progress;
 use crate::scene::{self, Options, Renderer, parse_point, parse_size};
 use clap::Args;
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 /// A view of a scene.
 #[derive(Clone, Debug, Default, Args)]
@@ -105,10 +107,14 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     let [width, height] = renderer.size();
     let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
     let bar = Bar::new(name, args.quiet);
+    interrupt::watch(true);
     for rows in bands(width, 0..height) {
         let done = rows.end * width;
         writer.rows(&renderer.rows(rows)?)?;
         bar.update(Progress { done, total: width * height });
+        if interrupt::CANCEL.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted);
+        }
     }
     writer.finish()?;
     bar.clear();

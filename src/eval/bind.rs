@@ -397,6 +397,10 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
                     "I" => error.hint(
                         "`I` is the direction from the eye to the point. Renderers do not write it; where the eye is \
                          known it is `I = direction(point - eye)`, with `param eye = [0 -5 5]` above.",
+                    )
+                    .hint(
+                        "Or tell where the camera is, and leave the program as it is: \
+                         `--space camera='inverse(translation([0 -5 5]))'`.",
                     ),
                     _ => error,
                 };

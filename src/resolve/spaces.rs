@@ -44,6 +44,11 @@ impl Resolver<'_> {
             return Some(self.no_space_call(builtin, span));
         }
         let value = self.expr(&value.value, scope);
+        // From a space to itself is no way at all.
+        let named: Vec<(String, Span)> = match &named[..] {
+            [(from, span), (to, _)] if from == to => vec![("world".to_string(), *span)],
+            _ => named,
+        };
         let mut matrices = named.iter().map(|(space, span)| {
             let kind = ExprKind::Variable(self.variable(&format!("{PREFIX}{space}"), *span, scope));
             Expr { kind, span: *span }

@@ -1,13 +1,14 @@
 //! The commands of a session: lines that begin with a colon.
 
+use super::super::doc;
 use super::super::failure::Failure;
-use super::super::{doc, source};
 use super::session::{Session, VALUE};
 use super::{note, picture};
 use crate::image::write_file;
+use crate::program::Compiler;
 use crate::resolve::names;
 use crate::value::PixelValue;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Each command, what follows it, and what it does.
 pub(super) static COMMANDS: [(&str, &str, &str); 13] = [
@@ -18,7 +19,7 @@ pub(super) static COMMANDS: [(&str, &str, &str); 13] = [
     ("undo", "", "forget what was entered last"),
     ("clear", "", "forget the whole program"),
     ("load", "FILE", "begin again with a program's file"),
-    ("save", "FILE", "write the program to a file"),
+    ("save", "[FILE]", "write the program to a file; :save! replaces one"),
     ("set", "NAME VALUE", "set a param, as --set does"),
     ("time", "[EXPRESSION]", "how long the program takes on the image"),
     ("doc", "NAME", "explain a function or another name"),
@@ -46,18 +47,15 @@ impl Session {
             },
             "clear" => {
                 self.pieces.clear();
+                self.set.clear();
                 Ok(String::new())
             }
             "load" => self.load(Path::new(needs("a file")?)).map(|()| String::new()),
-            "save" => {
-                let path = Path::new(needs("a file")?);
-                write_file(path, self.program().as_bytes())?;
-                note(&format!("wrote {}", path.display()));
-                Ok(String::new())
-            }
+            "save" | "save!" => self.save(rest, name == "save!"),
             "set" => self.set_param(needs("a name and a value: `:set veins 6`")?),
             "time" => self.time(rest),
-            "doc" => doc::text(needs("a name: `:doc Noise`")?),
+            "doc" if rest.is_empty() => Ok(doc::list()),
+            "doc" => doc::text(rest),
             "help" => Ok(help()),
             "quit" | "q" | "exit" => {
                 self.ended = true;
@@ -85,6 +83,27 @@ impl Session {
             None => Err(Failure::plain("the program has no color yet")
                 .hint("Show an expression: `:show white * Noise(8 * point)`.")),
         }
+    }
+
+    fn save(&mut self, rest: &str, replace: bool) -> Result<String, Failure> {
+        let own = self.file.clone();
+        let path = match (rest.is_empty(), &own) {
+            (false, _) => PathBuf::from(rest),
+            (true, Some(path)) => path.clone(),
+            (true, None) => return Err(Failure::plain(":save needs a file: `:save marble.pse`")),
+        };
+        if self.pieces.is_empty() {
+            return Err(Failure::plain("the program is empty"));
+        }
+        let shown = path.display();
+        if path.exists() && own.as_ref() != Some(&path) && !replace {
+            return Err(Failure::plain(format!("`{shown}` is there already"))
+                .hint(format!("To replace it: `:save! {shown}`.")));
+        }
+        write_file(&path, self.program().as_bytes())?;
+        note(&format!("wrote {shown}"));
+        self.file = Some(path);
+        Ok(String::new())
     }
 
     fn show(&mut self, expression: &str) -> Result<String, Failure> {
@@ -166,13 +185,18 @@ impl Session {
             .split_once(|c: char| c.is_whitespace() || c == '=')
             .ok_or_else(|| Failure::plain(":set needs a name and a value: `:set veins 6`"))?;
         let value = value.trim().trim_start_matches('=').trim();
-        let program = source::compile(&format!(":set {name}"), &format!("{VALUE} = {value}\n"), &[])?;
+        let program = Compiler::new().value(VALUE).compile(&format!(":set {name}"), value)?;
         let values = program.eval_pixel(&[], &crate::program::RunOptions::default())?;
         let value = values.into_iter().find(|(n, _)| n == VALUE).map(|(_, value)| value);
         let before = self.set.clone();
         self.set.retain(|(n, _)| n != name);
         self.set.extend(value.map(|value| (name.to_string(), value)));
         let program = self.compile(&self.program())?;
+        if !program.resolved().params.iter().any(|param| param.name == name) {
+            self.set = before;
+            let failure = Failure::plain(format!("the program has no param `{name}` to set"));
+            return Err(failure.hint(format!("`param {name} = 1` declares one.")));
+        }
         if let Err(failure) = self.at_pixel(&program) {
             self.set = before;
             return Err(failure);

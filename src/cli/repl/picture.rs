@@ -27,7 +27,18 @@ pub(super) fn show(image: &Image<'_>, name: &str) -> Result<String, Failure> {
     });
     // Two pixels stand in a line, one above the other.
     let columns = columns().min(COLUMNS).min(width.max(1));
-    let config = viuer::Config { absolute_offset: false, width: Some(columns), ..viuer::Config::default() };
+    // A terminal that is asked what it can do may not answer at all: its name has to tell.
+    let is = |name: &str, words: &[&str]| {
+        std::env::var(name).is_ok_and(|value| words.iter().any(|word| value.contains(word)))
+    };
+    let config = viuer::Config {
+        absolute_offset: false,
+        width: Some(columns),
+        use_kitty: is("TERM", &["kitty", "ghostty"]) || std::env::var_os("KITTY_WINDOW_ID").is_some(),
+        use_iterm: is("TERM_PROGRAM", &["iTerm", "WezTerm", "mintty", "rio"]),
+        use_sixel: is("TERM", &["sixel", "foot", "mlterm", "contour"]),
+        ..viuer::Config::default()
+    };
     viuer::print(&image::DynamicImage::ImageRgb8(shown), &config)
         .map_err(|e| Failure::plain(format!("the terminal cannot show it: {e}")))?;
     Ok(String::new())

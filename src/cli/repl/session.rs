@@ -2,18 +2,15 @@
 
 use super::super::failure::Failure;
 use super::super::input::Inputs;
+use super::super::interrupt::CANCEL;
 use crate::diagnostic::SourceId;
 use crate::host::Disk;
-use crate::image::{Image, Variable};
-use crate::program::{Compiler, Program, RunOptions};
+use crate::image::{Image, Matrix4, Variable};
+use crate::program::{Compiler, Limits, Program, RunOptions};
 use crate::syntax::{self, ast};
 use crate::value::PixelValue;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-
-/// Set by an interrupt: the run that is on ends, the session goes on.
-pub(super) static CANCEL: AtomicBool = AtomicBool::new(false);
 
 /// The variable that has the value of an expression.
 pub(super) const VALUE: &str = "it";
@@ -27,6 +24,14 @@ pub(super) struct Session {
     pub pieces: Vec<String>,
     /// Values set from outside.
     pub set: Vec<(String, PixelValue)>,
+    /// Where named spaces are.
+    pub spaces: Vec<(String, Matrix4)>,
+    /// The number of the frame.
+    pub frame: f32,
+    /// What a pixel may use up.
+    pub limits: Limits,
+    /// The file that the program was loaded from, or saved to.
+    pub file: Option<PathBuf>,
     /// The pixel whose values are told: column and row of what the image holds.
     pub pixel: [usize; 2],
     /// How long the last run took.
@@ -50,7 +55,20 @@ enum Piece {
 impl Session {
     pub fn new(image: Image<'static>, inputs: Inputs, path: Vec<PathBuf>) -> Session {
         let pixel = [image.width / 2, image.height / 2];
-        Session { image, inputs, path, pieces: Vec::new(), set: Vec::new(), pixel, took: None, ended: false }
+        Session {
+            image,
+            inputs,
+            path,
+            pieces: Vec::new(),
+            set: Vec::new(),
+            spaces: Vec::new(),
+            frame: 0.0,
+            limits: Limits::default(),
+            file: None,
+            pixel,
+            took: None,
+            ended: false,
+        }
     }
 
     /// What it works on, in a few words.
@@ -100,6 +118,7 @@ impl Session {
         let program = self.compile(&text)?;
         self.at_pixel(&program)?;
         self.pieces = vec![text];
+        self.file = Some(path.to_path_buf());
         Ok(())
     }
 
@@ -113,22 +132,31 @@ impl Session {
     pub fn at_pixel(&self, program: &Program) -> Result<Vec<(String, PixelValue)>, Failure> {
         let missing = |name: &str| self.inputs.missing(name);
         let [column, row] = self.pixel;
-        Ok(program.eval_pixel_of(&self.image, column, row, &self.options(&missing))?)
+        Ok(program.eval_pixel_of(&self.image, column, row, &self.options(program, &missing))?)
     }
 
     /// Runs the program on the whole image, for one variable.
     pub fn run(&mut self, program: &Program, name: &str) -> Result<Image<'static>, Failure> {
         let missing = |name: &str| self.inputs.missing(name);
-        let options = RunOptions { outputs: Some(vec![name.into()]), ..self.options(&missing) };
+        let options = RunOptions { outputs: Some(vec![name.into()]), ..self.options(program, &missing) };
         let start = Instant::now();
         let report = program.run(&self.image, &options)?;
         self.took = Some(start.elapsed());
         Ok(report.image)
     }
 
-    fn options<'a>(&'a self, missing: &'a (dyn Fn(&str) -> Vec<String> + Sync)) -> RunOptions<'a> {
+    fn options<'a>(
+        &'a self,
+        program: &Program,
+        missing: &'a (dyn Fn(&str) -> Vec<String> + Sync),
+    ) -> RunOptions<'a> {
+        // What was set stays so, also while the program has no such param.
+        let set = self.set.iter().filter(|(name, _)| program.resolved().slot(name).is_some());
         RunOptions {
-            set: self.set.clone(),
+            frame: self.frame,
+            set: set.cloned().collect(),
+            spaces: self.spaces.clone(),
+            limits: self.limits,
             cancel: Some(&CANCEL),
             missing: if self.inputs.list.is_empty() { None } else { Some(missing) },
             ..RunOptions::default()
@@ -169,6 +197,9 @@ fn over_image(variable: &Variable<'_>) -> String {
     });
     let count = variable.planes.first().map_or(0, |p| p.len());
     let odd = (0..count).filter(|&i| variable.planes.iter().any(|p| !p[i].is_finite())).count();
+    if odd == count {
+        return "NaN or infinity at every pixel\n".to_string();
+    }
     let odd = if odd == 0 { String::new() } else { format!("   NaN or infinity at {odd} pixels") };
     format!("min {least}   mean {mean}   max {largest}{odd}\n")
 }

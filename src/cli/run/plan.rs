@@ -39,10 +39,6 @@ pub(super) struct Plan {
     pub name: String,
     /// The program.
     pub program: Program,
-    /// Values of params.
-    pub set: Vec<(String, PixelValue)>,
-    /// Where named spaces are.
-    pub spaces: Vec<(String, Matrix4)>,
     /// The variables to write, if they were named.
     pub vars: Option<Vec<String>>,
     /// The variable that pictures show instead of color.
@@ -99,6 +95,8 @@ impl Plan {
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.min(MAX_THREADS)).build_global();
         }
         let sized = reads_size(&program) && args.pixelsize.is_none();
+        // Mistakes in what is set are told before any file is read.
+        values(args, frames.first().map_or(0.0, |frame| frame.value))?;
         let near = sized || program.resolved().derivatives || args.sampling().is_some();
         // What tells which neighbours count, and where they are seen from.
         let incident = program.inputs().any(|name| name == "I");
@@ -107,8 +105,6 @@ impl Plan {
         Ok(Plan {
             wanted: wanted(&program, vars.as_deref().unwrap_or_default(), looks),
             around: if near { 2 } else { 0 },
-            set: args.set.iter().map(|s| set(s)).collect::<Result<_, _>>()?,
-            spaces: args.space.iter().map(|s| space(s)).collect::<Result<_, _>>()?,
             scene: scene(args)?,
             by_default: args.scene.is_none() && args.input.is_empty(),
             name,
@@ -231,15 +227,25 @@ fn wanted(program: &Program, vars: &[String], looks: impl Iterator<Item = &'stat
     names
 }
 
+/// Values that are set, and where spaces are.
+pub(super) type Values = (Vec<(String, PixelValue)>, Vec<(String, Matrix4)>);
+
+/// What is set for a frame, and where named spaces are in it.
+pub(super) fn values(args: &RunArgs, frame: f32) -> Result<Values, Failure> {
+    let set = args.set.iter().map(|text| set(text, frame)).collect::<Result<_, _>>()?;
+    let spaces = args.space.iter().map(|text| space(text, frame)).collect::<Result<_, _>>()?;
+    Ok((set, spaces))
+}
+
 /// `name=expression`: the name, and what the expression gives.
-fn set(text: &str) -> Result<(String, PixelValue), Failure> {
-    named_value("--set", text, "Write it as --set veins=6, or --set tint='[1 0.8 0.6]'.")
+pub(in crate::cli) fn set(text: &str, frame: f32) -> Result<(String, PixelValue), Failure> {
+    named_value("--set", text, frame, "Write it as --set veins=6, or --set tint='[1 0.8 0.6]'.")
 }
 
 /// `name=matrix`: the name, and the matrix of four rows.
-fn space(text: &str) -> Result<(String, Matrix4), Failure> {
+pub(in crate::cli) fn space(text: &str, frame: f32) -> Result<(String, Matrix4), Failure> {
     let form = "Write it as --space object='inverse(translation([0 0 1]))', the matrix from the world to it.";
-    let (name, value) = named_value("--space", text, form)?;
+    let (name, value) = named_value("--space", text, frame, form)?;
     let rows = Shape::vector_of(&[Shape::Vector(4), Shape::Vector(4), Shape::Vector(4), Shape::Vector(4)]);
     let (cells, rest) = value.cells().as_chunks::<4>();
     match cells.try_into() {
@@ -253,7 +259,7 @@ fn space(text: &str) -> Result<(String, Matrix4), Failure> {
 }
 
 /// `name=expression` after an option: the name, and what the expression gives.
-fn named_value(option: &str, text: &str, form: &str) -> Result<(String, PixelValue), Failure> {
+fn named_value(option: &str, text: &str, frame: f32, form: &str) -> Result<(String, PixelValue), Failure> {
     let Some((name, expression)) = text.split_once('=') else {
         return Err(Failure::usage(format!("{option} {text} has no =")).hint(form));
     };
@@ -263,7 +269,10 @@ fn named_value(option: &str, text: &str, form: &str) -> Result<(String, PixelVal
     if syntax::parse_expression(SourceId::default(), expression).is_none() {
         return Err(Failure::usage(format!("{option} {name}: `{expression}` is no value")).hint(form));
     }
-    let values = program.eval_pixel(&[], &RunOptions::default())?;
+    let missing =
+        |_: &str| vec![format!("What {option} gives is the same for the whole frame: it reads no pixel.")];
+    let options = RunOptions { frame, missing: Some(&missing), ..RunOptions::default() };
+    let values = program.eval_pixel(&[], &options)?;
     let value = values.into_iter().find(|(name, _)| name == "color").map(|(_, value)| value);
     let value =
         value.ok_or_else(|| Failure::usage(format!("{option} {name}: there is no value")).hint(form))?;
