@@ -5,7 +5,10 @@
 //! A pattern is written with widths. The sharp one is the same with 0 for `filterwidth`, and with eight octaves of
 //! noise whatever the size of a pixel.
 
-#[allow(dead_code, reason = "ratios of other tables")]
+#[allow(
+    dead_code,
+    reason = "this table writes times its own way; the ratios of turns are for the other benches"
+)]
 mod table;
 
 use pse::image::WriteOptions;

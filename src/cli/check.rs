@@ -4,6 +4,7 @@ use super::failure::{Failure, style, warn};
 use super::input::{InputArg, Inputs, MapArg};
 use super::source;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::eval::{knows_camera, no_eye};
 use crate::program::{Error, Program};
 use crate::resolve::{is_standard_function, names, no_variable};
 use crate::scene::{self, Options};
@@ -110,15 +111,35 @@ fn misspelt_outputs(program: &Program) -> Vec<Diagnostic> {
         .collect()
 }
 
+/// Is it known that the image has the variable?
+fn has(known: &Known, name: &str) -> bool {
+    match known {
+        Known::Usual => true,
+        Known::Scene(has) => has.iter().any(|v| v == name),
+        Known::Files(inputs) => matches!(inputs.find(name), Some(Ok(()))),
+    }
+}
+
 /// What is to be said of the names that a program reads and does not assign.
 fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
     let mut list = Vec::new();
     for name in program.inputs() {
+        let global = program.resolved().globals.iter().find(|g| g.name == name && !g.library);
+        let Some(span) = global.and_then(|g| g.read) else { continue };
+        let camera = match known {
+            Known::Usual | Known::Scene(_) => true,
+            Known::Files(inputs) => inputs.list.iter().any(|opened| knows_camera(opened.file.metadata())),
+        };
+        match name {
+            // A run may be told by `--space`.
+            "eye" if !camera => list.push(no_eye(span).warning()),
+            // It is made of the points and the eye.
+            "I" if camera && has(known, "point") => continue,
+            _ => {}
+        }
         if names::constant(name).is_some() || names::is_system(name) {
             continue;
         }
-        let global = program.resolved().globals.iter().find(|g| g.name == name && !g.library);
-        let Some(span) = global.and_then(|g| g.read) else { continue };
         let own = program.assigned().chain(program.resolved().params.iter().map(|p| p.name.as_str()));
         let fixed = names::CONSTANTS.iter().map(|c| c.name).chain(names::SYSTEM.iter().map(|s| s.0));
         let absent = |d: &str| Diagnostic::error("input", d.to_string(), span);

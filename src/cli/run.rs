@@ -108,12 +108,6 @@ fn compute(
     Ok(outcome)
 }
 
-/// Pixels with a number that is none.
-fn not_finite(image: &Image<'_>) -> usize {
-    let planes = || image.variables.iter().flat_map(|v| &v.planes);
-    (0..image.width * image.height).filter(|&i| planes().any(|p| !p[i].is_finite())).count()
-}
-
 /// Says what was done.
 fn tell(
     args: &RunArgs,

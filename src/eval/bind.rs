@@ -305,6 +305,7 @@ fn frame_values(
             ("frame", _) => Source::Uniform(options.frame.into()),
             ("begin_frame", _) => Source::Uniform(1.0.into()),
             ("resolution", _) => Source::Uniform([columns as f32, rows as f32].into()),
+            ("eye", _) => spaces::eye(image, options).map_or(Source::Nowhere, |e| Source::Uniform(e.into())),
             _ => Source::Nowhere,
         }
     });
@@ -398,16 +399,16 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
                         "`I` is the direction from the eye to the point. Renderers do not write it; where the eye is \
                          known it is `I = direction(point - eye)`, with `param eye = [0 -5 5]` above.",
                     )
-                    .hint(
-                        "Or tell where the camera is, and leave the program as it is: \
-                         `--space camera='inverse(translation([0 -5 5]))'`.",
-                    ),
+                    .hint(spaces::CAMERA),
                     _ => error,
                 };
                 return Some(bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint));
             }
             if crate::resolve::is_standard_function(name) {
                 return Some(crate::resolve::no_variable(name, span, false));
+            }
+            if name == "eye" {
+                return Some(spaces::no_eye(span));
             }
             let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
                 .label(span, "nothing assigns it, and the input has none of that name");

@@ -35,6 +35,7 @@ pub use limits::Limits;
 pub use profile::{Profile, Spent};
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, eval_pixel, run};
 pub use samples::{Filter, Places, Resample, Sampling};
+pub(crate) use spaces::{knows_camera, no_eye};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
 /// spread the cost of a tree's walk, small enough that the planes of a program stay in the cache.

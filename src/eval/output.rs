@@ -3,7 +3,7 @@
 use super::machine::Machine;
 use super::pixels::Pixels;
 use crate::diagnostic::Diagnostic;
-use crate::image::{Image, Variable};
+use crate::image::Variable;
 use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::Resolved;
@@ -141,13 +141,6 @@ pub(super) fn not_finite(planes: &[Vec<&mut [f32]>], n: usize) -> usize {
         .filter(|p| p.iter().fold(false, |any, x| any | odd(x)))
         .collect();
     if touched.is_empty() { 0 } else { (0..n).filter(|&i| touched.iter().any(|p| odd(&p[i]))).count() }
-}
-
-/// The like of an image, of the outputs that the program assigned.
-pub(super) fn not_finite_pixels(image: &Image<'_>, outputs: &[Output<'_>]) -> usize {
-    let own = image.variables.iter().zip(outputs).filter(|(_, output)| output.slot.is_some());
-    let planes: Vec<&[f32]> = own.flat_map(|(v, _)| &v.planes).map(|p| &**p).collect();
-    (0..image.width * image.height).filter(|&i| planes.iter().any(|p| !p[i].is_finite())).count()
 }
 
 /// Which variables to write: those asked for, or `color` (and `alpha`), or all that the program assigns.

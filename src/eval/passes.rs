@@ -2,7 +2,7 @@
 //! gave.
 
 use super::bind::{Bound, bind};
-use super::output::{self, Output};
+use super::output::Output;
 use super::run::{Attempt, Failure, Job, Report};
 use super::samples::{Places, is_id};
 use crate::diagnostic::Diagnostic;
@@ -46,7 +46,8 @@ impl Job<'_> {
         // There is at least one sample.
         let Some(mut report) = whole else { return Err(Failure::Cancelled) };
         sums.finish(&mut report.image, &self.outputs);
-        report.not_finite = output::not_finite_pixels(&report.image, &self.outputs);
+        let assigned = |name: &str| self.outputs.iter().any(|o| o.name == name && o.slot.is_some());
+        report.not_finite = report.image.not_finite(assigned);
         Ok(Attempt::Done(report))
     }
 

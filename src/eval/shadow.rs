@@ -3,9 +3,9 @@
 //!
 //! A shadow begins with the input variables of the neighbour, and then follows its own pixel: what a condition says,
 //! which element an index picks, how long a range is, the pixel decides for its shadows. So masks and shapes are the
-//! same for all three, and `Du` is the shadow's value less the pixel's. (Perlin's system and RenderMan's took
-//! differences between neighbouring pixels that had run by themselves; where the two had gone different ways they told
-//! nothing.)
+//! same for all three, and `Du` is the shadow's value less the pixel's. (`Du` and `Dv` are those of RenderMan's shading
+//! language, as Peachey uses them in *Texturing and Modeling*, chapter 2. There a difference is one between neighbouring
+//! points of a grid, each of which may have gone a way of its own.)
 
 use super::bind::{Bound, Source, incident};
 use super::fault::Result;

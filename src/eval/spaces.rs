@@ -2,7 +2,7 @@
 
 use super::run::Options;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::image::{Attributes, Image, Matrix4};
+use crate::image::{Attributes, Image, Matrix4, Metadata};
 use crate::resolve::names;
 use crate::value::PixelValue;
 
@@ -36,6 +36,22 @@ pub fn eye(image: &Image<'_>, options: &Options<'_>) -> Option<[f32; 3]> {
     let inverse = glam::DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose().inverse();
     let eye = inverse.w_axis / inverse.w_axis.w;
     eye.is_finite().then(|| eye.truncate().to_array().map(|x| x as f32))
+}
+
+/// How a user tells where the eye is, without a change of the program.
+pub const CAMERA: &str = "Or tell where the camera is, and leave the program as it is: `--space camera='inverse(translation([0 -5 5]))'`.";
+
+/// The error of a program that reads `eye` where the camera is not known.
+pub fn no_eye(span: Span) -> Diagnostic {
+    Diagnostic::error("input", "it is not known where the eye is", span)
+        .hint("An EXR file tells it by the attribute worldToCamera; this input has none.")
+        .hint("Give it in the program: `param eye = [0 -5 5]` above.")
+        .hint(CAMERA)
+}
+
+/// Does an image's header tell where its camera is?
+pub fn knows_camera(about: &Metadata) -> bool {
+    of_header("camera", &about.attributes).is_some()
 }
 
 /// The error of a space that is not known.

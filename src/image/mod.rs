@@ -143,6 +143,13 @@ impl Image<'_> {
         Image { width: self.width, height: self.height, variables, metadata: self.metadata }
     }
 
+    /// In how many pixels some plane of the variables for which `of` holds is NaN or infinite.
+    pub fn not_finite(&self, of: impl Fn(&str) -> bool) -> usize {
+        let own = self.variables.iter().filter(|v| of(&v.name));
+        let planes: Vec<&[f32]> = own.flat_map(|v| &v.planes).map(|p| &**p).collect();
+        (0..self.width * self.height).filter(|&i| planes.iter().any(|p| !p[i].is_finite())).count()
+    }
+
     /// The variable of that name.
     pub fn variable(&self, name: &str) -> Option<&Variable<'_>> {
         self.variables.iter().find(|v| v.name == name)

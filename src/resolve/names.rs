@@ -43,10 +43,11 @@ pub static SYSTEM: &[(&str, &str)] = &[
     ("pixel", "[column row] of this pixel, its centre at .5, rows counted from the top"),
     ("pixelsize", "how far apart neighbouring pixels lie in the space of point, at this pixel"),
     ("pixel_freq", "0.5 / pixelsize, the highest frequency that the pixels can show"),
+    ("eye", "where the eye is, in the space of point; if the image's header or --space tells of a camera"),
 ];
 
 /// The system's names that have one value for the frame.
-pub static FRAME: &[&str] = &["frame", "begin_frame", "resolution"];
+pub static FRAME: &[&str] = &["frame", "begin_frame", "resolution", "eye"];
 
 /// The variables that G-buffers usually hold: what a checker without an image takes for granted.
 pub static USUAL_INPUTS: &[&str] =

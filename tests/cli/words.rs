@@ -8,7 +8,7 @@ fn help_has_examples() {
     let help = f.good("--help").text;
     assert_eq!(f.good("").text, help);
     assert!(help.contains("Examples:") && help.contains("Exit status"), "{help}");
-    for command in ["run", "scene", "noise", "info", "check", "fmt", "doc", "ast", "completions"] {
+    for command in ["run", "repl", "scene", "noise", "info", "check", "fmt", "doc", "ast", "completions"] {
         assert!(help.contains(&format!("  {command} ")), "{command}");
         let own = f.good(&format!("help {command}")).text;
         assert!(own.contains("Examples:"), "{own}");
@@ -91,4 +91,22 @@ fn completions() {
         assert!(f.good(&format!("completions {shell}")).text.contains("frames"), "{shell}");
     }
     f.bad(2, "completions csh", &["bash"]);
+}
+
+/// What is known of the camera is known to `check` too.
+#[test]
+fn check_knows_where_the_eye_may_be() {
+    let f = Folder::new();
+    f.write("eye.pse", "color = direction(point - eye) - I\n");
+    f.good("scene donut -o g.exr --size 8x6");
+    f.write("blind.pse", "point = [pixel.x 0 0]\n");
+    let told = f.good("check eye.pse --scene donut").err + &f.good("check eye.pse -i g.exr").err;
+    assert!(told.is_empty(), "{told}");
+    f.good("run eye.pse -i g.exr -o a.exr");
+    assert!(String::from_utf8_lossy(&f.good("doc eye").out).contains("camera"));
+    // A picture has no camera; a run may yet be told of one.
+    f.good("run blind.pse -i g.exr --vars point -o plain.png");
+    f.write("only.pse", "color = direction(point - eye)\n");
+    let told = f.good("check only.pse -i plain.png --map point=R,G,B").err;
+    assert!(told.contains("where the eye is") && told.contains("--space camera="), "{told}");
 }

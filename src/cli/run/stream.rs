@@ -1,8 +1,8 @@
 //! Reading, running and writing at the same time: each band of rows goes from one to the next.
 
+use super::RunArgs;
 use super::input::{Band, FrameInput};
 use super::plan::{Output, Plan};
-use super::{RunArgs, not_finite};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::stats::Stats;
@@ -162,7 +162,11 @@ impl<'a> Attempt<'a> {
             report.image = self.input.cut(report.image).map_err(Some)?;
             let pixels = report.image.width * report.image.height;
             if pixels != held {
-                report.not_finite = not_finite(&report.image);
+                // What passes through from the input is not the program's.
+                let shown = report.by_normal;
+                let assigned = |name: &str| self.plan.program.assigned().any(|n| n == name);
+                let own = |name: &str| shown && name == "color" || assigned(name);
+                report.not_finite = report.image.not_finite(own);
             }
             let stats = &mut outcome.stats;
             stats.pixels += pixels;
