@@ -108,5 +108,5 @@ fn check_knows_where_the_eye_may_be() {
     f.good("run blind.pse -i g.exr --vars point -o plain.png");
     f.write("only.pse", "color = direction(point - eye)\n");
     let told = f.good("check only.pse -i plain.png --map point=R,G,B").err;
-    assert!(told.contains("where the eye is") && told.contains("--space camera="), "{told}");
+    assert!(told.contains("where the eye is") && told.contains("worldToCamera"), "{told}");
 }
