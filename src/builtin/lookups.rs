@@ -8,8 +8,9 @@ use super::vectors::direction_planes;
 use super::{Builtin, Kernel, Param, ex};
 use crate::math;
 use crate::shape::Shape;
-use crate::texture::{Filter, Layout, Look, Texture, Wrap, turned_z_up};
+use crate::texture::{Filter, Layout, Look, Near, Texture, Wrap, turned_z_up};
 use crate::value::{Plane, Value};
+use std::cell::RefCell;
 
 /// The words for filters, and what they mean.
 const FILTERS: [(&str, Filter); 5] = [
@@ -122,9 +123,9 @@ fn widths(call: &Call<'_>, arg: usize, at: [&Plane; 2], wrap: [Wrap; 2]) -> Resu
     }
 }
 
-/// A look-up by `N` numbers of a lane.
+/// A look-up by `N` numbers of a lane; `near` are the tiles at hand.
 trait Lookup<const N: usize> {
-    fn at<const C: usize>(&self, x: [f32; N]) -> [f32; C];
+    fn at<const C: usize>(&self, x: [f32; N], near: &mut Near) -> [f32; C];
 }
 
 /// At s and t, over widths along both.
@@ -132,9 +133,9 @@ struct Place<'a>(&'a Texture, Look);
 
 impl Lookup<4> for Place<'_> {
     #[inline(always)]
-    fn at<const C: usize>(&self, [s, t, ws, wt]: [f32; 4]) -> [f32; C] {
+    fn at<const C: usize>(&self, [s, t, ws, wt]: [f32; 4], near: &mut Near) -> [f32; C] {
         // Rows are counted from the top, and t goes up.
-        self.0.at(self.1, [s.into(), 1.0 - f64::from(t)], [ws, wt])
+        self.0.at(self.1, [s.into(), 1.0 - f64::from(t)], [ws, wt], near)
     }
 }
 
@@ -143,9 +144,9 @@ struct Direction<'a>(&'a Texture, Look, bool);
 
 impl Lookup<4> for Direction<'_> {
     #[inline(always)]
-    fn at<const C: usize>(&self, [x, y, z, width]: [f32; 4]) -> [f32; C] {
+    fn at<const C: usize>(&self, [x, y, z, width]: [f32; 4], near: &mut Near) -> [f32; C] {
         let direction = if self.2 { turned_z_up([x, y, z]) } else { [x, y, z] };
-        self.0.toward(self.1, direction, width)
+        self.0.toward(self.1, direction, width, near)
     }
 }
 
@@ -156,11 +157,13 @@ fn looked_up<const N: usize>(
     inputs: [&Plane; N],
     lookup: &impl Lookup<N>,
 ) -> Value {
+    let near = RefCell::new(Near::default());
+    let near = || near.borrow_mut();
     let planes = match texture.shape().cells() {
-        1 => call.lanes(inputs, |x| lookup.at::<1>(x)).into_iter().collect(),
-        2 => call.lanes(inputs, |x| lookup.at::<2>(x)).into_iter().collect(),
-        3 => call.lanes(inputs, |x| lookup.at::<3>(x)).into_iter().collect(),
-        _ => call.lanes(inputs, |x| lookup.at::<4>(x)).into_iter().collect(),
+        1 => call.lanes(inputs, |x| lookup.at::<1>(x, &mut near())).into_iter().collect(),
+        2 => call.lanes(inputs, |x| lookup.at::<2>(x, &mut near())).into_iter().collect(),
+        3 => call.lanes(inputs, |x| lookup.at::<3>(x, &mut near())).into_iter().collect(),
+        _ => call.lanes(inputs, |x| lookup.at::<4>(x, &mut near())).into_iter().collect(),
     };
     Value { shape: texture.shape().clone(), planes }
 }

@@ -227,12 +227,23 @@ fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture
     let mut left = options.texture_memory.unwrap_or(TEXTURE_MEMORY) as u64;
     let (mut textures, mut errors) = (Vec::new(), Vec::new());
     for (source, span) in &program.textures {
-        match source.load(options.frame, &mut left) {
+        match source.load(options.frame, &mut left, &program.tiles) {
             Ok(texture) => textures.push(texture),
             Err(error) => errors.push(unreadable(error, *span)),
         }
     }
+    program.tiles.allow(left);
     if errors.is_empty() { Ok(textures) } else { Err(Failure::Program(errors)) }
+}
+
+impl Bound<'_> {
+    /// Tells whether all that was looked up in textures could be read.
+    pub fn sound(&self, program: &Resolved) -> Result<(), Failure> {
+        for ((_, span), texture) in program.textures.iter().zip(&self.textures) {
+            texture.sound().map_err(|error| Failure::Program(vec![unreadable(error, *span)]))?;
+        }
+        Ok(())
+    }
 }
 
 fn constant_value(constant: &names::Constant) -> PixelValue {

@@ -171,6 +171,7 @@ impl<'o> Stream<'o> {
                 break None;
             }
         };
+        bound.sound(self.program)?;
         self.shapes = job.outputs.into_iter().map(|o| (o.shape, o.seen)).collect();
         Ok(report)
     }
@@ -190,6 +191,7 @@ pub fn eval_pixel(
         Ok(()) => {}
         Err(stop) => return Err(stop.failure(&bound)),
     }
+    bound.sound(program)?;
     let values = program.globals.iter().zip(&worker.machine.globals);
     Ok(values
         .filter(|(global, _)| (global.assigned.is_some() || global.name == "color") && !global.library)

@@ -34,6 +34,8 @@ pub struct Resolved {
     pub shadowed: Vec<bool>,
     /// The textures that calls name, each once, and where it is first named.
     pub textures: Vec<(texture::Source, Span)>,
+    /// Tiles of those that are too large for memory.
+    pub tiles: Arc<texture::Tiles>,
 }
 
 /// A variable of the outer level.

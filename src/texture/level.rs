@@ -1,7 +1,9 @@
 //! An image of a mip map, and its texels by column and row, also beyond its edges.
 
 use super::Wrap;
+use super::grid::Grid;
 use super::sphere;
+use super::store::Near;
 
 /// Texels of one size: the image itself, or a level of its mip map.
 #[derive(Debug)]
@@ -10,10 +12,8 @@ pub(super) struct Level {
     pub width: usize,
     /// Rows; of a cube those of one side.
     pub height: usize,
-    /// Numbers of a texel.
-    pub components: usize,
     /// Rows from the top; of a cube the sides one below the other.
-    pub texels: Vec<f32>,
+    pub texels: Grid<f32>,
 }
 
 /// What lies beyond the edges of an image.
@@ -42,9 +42,9 @@ fn wrapped(i: i64, n: i64, wrap: Wrap) -> Option<i64> {
 }
 
 impl Level {
-    /// The number of the texel in column `x` and row `y`; `None` where there is only black.
+    /// The column and the row of the grid for those of the image; `None` where there is only black.
     #[inline]
-    fn place(&self, x: i64, y: i64, edges: Edges) -> Option<usize> {
+    fn place(&self, x: i64, y: i64, edges: Edges) -> Option<[usize; 2]> {
         let (w, h) = (self.width as i64, self.height as i64);
         let (x, y) = match edges {
             Edges::Plane([along, down]) => (wrapped(x, w, along)?, wrapped(y, h, down)?),
@@ -65,52 +65,49 @@ impl Level {
                 }
             }
         };
-        Some((y * w + x) as usize)
+        Some([x as usize, y as usize])
     }
 
-    fn texel<const C: usize>(&self, x: i64, y: i64, edges: Edges) -> [f32; C] {
-        match self.place(x, y, edges) {
-            Some(i) => std::array::from_fn(|c| self.texels[i * C + c]),
-            None => [0.0; C],
-        }
+    fn texel<const C: usize>(&self, x: i64, y: i64, edges: Edges, near: &mut Near) -> [f32; C] {
+        self.place(x, y, edges).map_or([0.0; C], |[x, y]| self.texels.at(x, y, near))
     }
 
     /// The texel that holds a place.
     #[inline]
-    pub fn nearest<const C: usize>(&self, s: f64, v: f64, edges: Edges) -> [f32; C] {
+    pub fn nearest<const C: usize>(&self, s: f64, v: f64, edges: Edges, near: &mut Near) -> [f32; C] {
         let at = |s: f64, n: usize| whole(s * n as f64);
-        self.texel(at(s, self.width), at(v, self.height), edges)
+        self.texel(at(s, self.width), at(v, self.height), edges, near)
     }
 
     /// Between the four texels whose centres are around.
     #[inline]
-    pub fn bilinear<const C: usize>(&self, s: f64, v: f64, edges: Edges) -> [f32; C] {
+    pub fn bilinear<const C: usize>(&self, s: f64, v: f64, edges: Edges, near: &mut Near) -> [f32; C] {
         let (x, fx) = whole_and_rest(s * self.width as f64 - 0.5);
         let (y, fy) = whole_and_rest(v * self.height as f64 - 0.5);
         let (w, h) = (self.width as i64, self.height as i64);
-        if x >= 0 && y >= 0 && x < w - 1 && y < h - 1 {
+        if let (true, Some(texels)) = (x >= 0 && y >= 0 && x < w - 1 && y < h - 1, self.texels.memory()) {
             // Nearly always all four are there, two and two in a row.
             let side = if let Edges::Side(side) = edges { side } else { 0 };
             let start = ((side as i64 * h + y) * w + x) as usize * C;
             let row = |start: usize| {
-                let pair = &self.texels[start..start + 2 * C];
+                let pair = &texels[start..start + 2 * C];
                 mix(std::array::from_fn::<_, C, _>(|c| pair[c]), std::array::from_fn(|c| pair[C + c]), fx)
             };
             return mix(row(start), row(start + self.width * C), fy);
         }
-        let row = |y| mix(self.texel(x, y, edges), self.texel(x + 1, y, edges), fx);
+        let mut row = |y| mix(self.texel(x, y, edges, near), self.texel(x + 1, y, edges, near), fx);
         mix(row(y), row(y + 1), fy)
     }
 
     /// The uniform cubic B-spline over the sixteen texels around: smooth, and a little softer than the image.
-    pub fn cubic<const C: usize>(&self, s: f64, v: f64, edges: Edges) -> [f32; C] {
+    pub fn cubic<const C: usize>(&self, s: f64, v: f64, edges: Edges, near: &mut Near) -> [f32; C] {
         let (x, fx) = whole_and_rest(s * self.width as f64 - 0.5);
         let (y, fy) = whole_and_rest(v * self.height as f64 - 0.5);
         let (along, down) = (spline(fx), spline(fy));
         let mut sum = [0.0; C];
         for (j, wy) in (-1..).zip(down) {
             for (i, wx) in (-1..).zip(along) {
-                let texel = self.texel::<C>(x + i, y + j, edges);
+                let texel = self.texel::<C>(x + i, y + j, edges, near);
                 for c in 0..C {
                     sum[c] += wx * wy * texel[c];
                 }

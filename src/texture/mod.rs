@@ -5,22 +5,29 @@
 //! functions of programs turn `t`, which goes up, into `v`. A *texel* is a pixel of a texture. Numbers that are
 //! no finite ones would spread with every average: NaN is read as 0, infinity as the largest half.
 
+mod grid;
 mod level;
 mod look;
 mod pyramid;
 mod source;
 mod sphere;
+mod store;
 mod sums;
 #[cfg(test)]
 mod tests;
+mod texels;
 mod wanted;
 
 pub use look::{Filter, Look};
 pub use source::{Origin, Source};
 pub use sphere::turned_z_up;
+pub use store::{Near, Tiles};
 
+use crate::image::ImageError;
 use crate::shape::Shape;
 use level::Level;
+use std::sync::Arc;
+use store::Store;
 use sums::Sums;
 
 /// What stands beyond the edges of an image.
@@ -67,16 +74,11 @@ pub struct Texture {
     /// The image itself, then its mip map.
     levels: Vec<Level>,
     sums: Option<Sums>,
+    /// The file in which it stands, tile by tile, if it is not in memory.
+    store: Option<Arc<Store>>,
 }
 
 impl Texture {
-    /// A texture of interleaved texels, rows from the top; of a cube the sides one below the other.
-    fn new(shape: Shape, layout: Layout, image: Level, needs: Needs) -> Texture {
-        let sums = needs.sums.then(|| Sums::of(&image));
-        let levels = if needs.levels { pyramid::of(image) } else { vec![image] };
-        Texture { shape, layout, levels, sums }
-    }
-
     /// What a look-up gives: a scalar, or a vector of no more than [`COMPONENTS`].
     pub fn shape(&self) -> &Shape {
         &self.shape
@@ -85,6 +87,22 @@ impl Texture {
     /// What the image shows.
     pub fn layout(&self) -> Layout {
         self.layout
+    }
+
+    /// Tells whether all that was looked up could be read.
+    ///
+    /// # Errors
+    /// If it stands in a temporary file, and a part of that could not be read: what was looked up since is void.
+    pub fn sound(&self) -> Result<(), ImageError> {
+        self.store.as_ref().map_or(Ok(()), |store| store.sound())
+    }
+
+    /// The bytes of memory that it takes for itself: none, if its tiles are in a file.
+    fn memory(&self) -> u64 {
+        let [w, h, c] =
+            [self.levels[0].texels.width, self.levels[0].texels.height, self.levels[0].texels.components];
+        let needs = Needs { levels: self.levels.len() > 1, sums: self.sums.is_some() };
+        if self.store.is_some() { 0 } else { bytes([w, h], c, needs) }
     }
 }
 

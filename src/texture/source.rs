@@ -1,7 +1,9 @@
 //! Where a texture comes from, and which of its channels are wanted; read when a run needs it, and kept.
 
-use super::level::Level;
+use super::pyramid::Growing;
 use super::sphere::Seat;
+use super::store::{Store, Tiles};
+use super::texels::Texels;
 use super::wanted::{Known, Wanted, known, wanted, wanted_of};
 use super::{Layout, Needs, Texture, bytes, sphere};
 use crate::image::{
@@ -96,54 +98,27 @@ impl Source {
         }
     }
 
-    /// The texture in a frame: read, or the one that was kept. `left` is how many bytes it may take, and then
-    /// how many are left.
+    /// The texture in a frame: read, or the one that was kept. `left` is how many bytes of memory textures may still
+    /// take: one that would leave less than a quarter of them is put into a temporary file, tile by tile.
     ///
     /// # Errors
-    /// If the file cannot be read, does not have what is wanted, or takes more than is left.
-    pub fn load(&self, frame: f32, left: &mut u64) -> Result<Arc<Texture>, ImageError> {
+    /// If the file cannot be read, does not have what is wanted, or the temporary file cannot be written.
+    pub fn load(&self, frame: f32, left: &mut u64, tiles: &Arc<Tiles>) -> Result<Arc<Texture>, ImageError> {
         let path = self.path(frame)?;
         // Nothing is left half done in it.
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, texture)) = kept.as_ref().filter(|(of, _)| *of == path) {
-            let image = &texture.levels[0];
-            let sides = image.texels.len() / (image.width * image.height * image.components);
-            self.charge([image.width, image.height * sides], image.components, left)?;
+        let most = *left - *left / 4;
+        if let Some((_, texture)) = kept.as_ref().filter(|(of, t)| *of == path && t.memory() <= most) {
+            *left -= texture.memory();
             return Ok(Arc::clone(texture));
         }
         // The last frame's makes room.
         *kept = None;
         let opened = self.open(path.clone())?;
-        let [w, h] = opened.resolution();
-        let size = match sphere::sides(w, h).filter(|_| self.layout == Layout::Cube) {
-            Some((n, _)) => [n, 6 * n],
-            None => [w, h],
-        };
-        self.charge(size, opened.wanted.shape.cells(), left)?;
-        let texture = Arc::new(self.texture(&opened)?);
+        let texture = Arc::new(self.texture(&opened, most, tiles)?);
+        *left -= texture.memory();
         *kept = Some((path, Arc::clone(&texture)));
         Ok(texture)
-    }
-
-    /// Takes the bytes of a texture from those that are left.
-    fn charge(&self, size: [usize; 2], components: usize, left: &mut u64) -> Result<(), ImageError> {
-        let bytes = bytes(size, components, self.needs);
-        if let Some(rest) = left.checked_sub(bytes) {
-            *left = rest;
-            return Ok(());
-        }
-        let [w, h] = size;
-        let (wanted, room) = (bytes.div_ceil(1 << 20), *left >> 20);
-        let message =
-            format!("`{}` takes {wanted} MB of memory, and for textures {room} MB are left", self.name);
-        let s = if components == 1 { "" } else { "s" };
-        let mut error = ImageError::new(ErrorKind::TooLarge, message)
-            .hint(format!("It has {w} x {h} texels of {components} float{s} each."));
-        if self.needs.sums {
-            error =
-                error.hint("Two thirds of that are its summed-area table; `filter = \"mip\"` needs none.");
-        }
-        Err(error.hint("Make the image smaller, or allow more (`--texture-memory`)."))
     }
 
     fn open(&self, path: Option<PathBuf>) -> Result<Opened<'_>, ImageError> {
@@ -185,88 +160,56 @@ impl Source {
     }
 
     /// Reads the pixels, and arranges them: as the display window has them, the sides of a cube one below the other.
-    fn texture(&self, opened: &Opened<'_>) -> Result<Texture, ImageError> {
-        let image = match &opened.pixels {
-            Pixels::Memory(image) => Cow::Borrowed(&***image),
-            Pixels::File(file) => {
-                let names: Vec<&str> = opened.wanted.names.iter().map(String::as_str).collect();
-                Cow::Owned(file.load(&names)?)
-            }
-        };
-        let all: Vec<&[f32]> = opened
-            .wanted
-            .names
-            .iter()
-            .filter_map(|name| image.variable(name))
-            .flat_map(|variable| variable.planes.iter().map(|p| &**p))
-            .collect();
-        let planes: Vec<&[f32]> = opened.wanted.components.iter().map(|&i| all[i]).collect();
-        let components = opened.wanted.shape.cells();
+    fn texture(&self, opened: &Opened<'_>, most: u64, tiles: &Arc<Tiles>) -> Result<Texture, ImageError> {
         let [w, h] = opened.resolution();
-        let [left, top] = image.metadata.origin.map(i64::from);
-        // A pixel of the display window; beyond the pixels that the image holds there is nothing.
-        let put = |column: usize, row: usize, out: &mut Vec<f32>| {
-            let (x, y) = (column as i64 - left, row as i64 - top);
-            let held = (0..image.width as i64).contains(&x) && (0..image.height as i64).contains(&y);
-            let at = held.then_some((y * image.width as i64 + x) as usize);
-            out.extend(planes.iter().map(|plane| at.map_or(0.0, |at| sound(plane[at]))));
-            if opened.wanted.opaque {
-                out.push(if held { 1.0 } else { 0.0 });
-            }
-        };
-        let mut texels = Vec::new();
-        if texels.try_reserve_exact(w * h * components).is_err() {
-            let message = format!("`{}` does not fit in memory", self.name);
-            return Err(ImageError::new(ErrorKind::TooLarge, message));
-        }
-        let level = match sphere::sides(w, h).filter(|_| self.layout == Layout::Cube) {
-            Some((n, sides)) => {
-                for Seat { column, row, turned } in sides {
-                    for (y, x) in (0..n).flat_map(|y| (0..n).map(move |x| (y, x))) {
-                        let (x, y) = if turned { (n - 1 - x, n - 1 - y) } else { (x, y) };
-                        put(column * n + x, row * n + y, &mut texels);
+        let shape = opened.wanted.shape.clone();
+        let cube = sphere::sides(w, h).filter(|_| self.layout == Layout::Cube);
+        let (size, sides) = cube.map_or(([w, h], 1), |(n, _)| ([n, n], 6));
+        let whole = bytes([size[0], sides * size[1]], shape.cells(), self.needs) <= most;
+        let store = if whole { None } else { Some(Arc::new(Store::new(tiles)?)) };
+        let mut growing = Growing::new(size, sides, shape.cells(), self.needs, store.as_ref())?;
+        // The sides of a cube may stand beside each other: what is not in memory then is decoded for each of them.
+        let mut texels = Texels::new(opened, whole && cube.is_some());
+        let mut row = Vec::new();
+        match cube {
+            Some((n, seats)) => {
+                for Seat { column, row: down, turned } in seats {
+                    for y in 0..n {
+                        let y = if turned { n - 1 - y } else { y };
+                        texels.row(down * n + y, column * n..(column + 1) * n, turned, &mut row)?;
+                        growing.push(&row)?;
                     }
                 }
-                Level { width: n, height: n, components, texels }
             }
             None => {
-                (0..h).for_each(|y| (0..w).for_each(|x| put(x, y, &mut texels)));
-                Level { width: w, height: h, components, texels }
+                for y in 0..h {
+                    texels.row(y, 0..w, false, &mut row)?;
+                    growing.push(&row)?;
+                }
             }
-        };
-        Ok(Texture::new(opened.wanted.shape.clone(), self.layout, level, self.needs))
+        }
+        let (levels, sums) = growing.finish()?;
+        Ok(Texture { shape, layout: self.layout, levels, sums, store })
     }
 }
 
 /// An image with its header read.
-struct Opened<'a> {
-    pixels: Pixels<'a>,
-    wanted: Wanted,
+pub(super) struct Opened<'a> {
+    pub pixels: Pixels<'a>,
+    pub wanted: Wanted,
 }
 
-enum Pixels<'a> {
+pub(super) enum Pixels<'a> {
     File(Box<File>),
     Memory(&'a Arc<Image<'static>>),
 }
 
 impl Opened<'_> {
-    fn resolution(&self) -> [usize; 2] {
+    pub fn resolution(&self) -> [usize; 2] {
         match &self.pixels {
             Pixels::File(file) => file.metadata().resolution.unwrap_or(file.size()),
             Pixels::Memory(image) => image.resolution(),
         }
-    }
-}
-
-/// A number that averages can bear.
-fn sound(x: f32) -> f32 {
-    const MOST: f32 = 65504.0;
-    if x.is_finite() {
-        x
-    } else if x.is_nan() {
-        0.0
-    } else {
-        MOST.copysign(x)
     }
 }
 
@@ -277,17 +220,9 @@ impl fmt::Debug for Source {
 }
 
 #[cfg(test)]
-pub(super) fn from_image(image: Image<'static>, layout: Layout, needs: Needs) -> Texture {
+pub(super) fn from_image(image: Image<'static>, layout: Layout, needs: Needs, most: u64) -> Texture {
     let mut source = Source::new("test", Origin::Image(Arc::new(image)), None, false, layout);
     source.needs = needs;
-    Arc::into_inner(source.load_once()).expect("nobody else has it")
-}
-
-#[cfg(test)]
-impl Source {
-    fn load_once(&self) -> Arc<Texture> {
-        let texture = self.load(0.0, &mut u64::MAX.clone()).expect("it can be read");
-        *self.kept.lock().expect("not poisoned") = None;
-        texture
-    }
+    let opened = source.open(None).expect("it is there");
+    source.texture(&opened, most, &Arc::default()).expect("it can be arranged")
 }

@@ -5,63 +5,101 @@
 //! held in f64: those of 2^27 texels still have the precision of a float left when they are subtracted.
 
 use super::Wrap;
-use super::level::{Edges, Level, whole};
+use super::grid::{Grid, Rows};
+use super::level::{Edges, whole};
+use super::store::{Near, Store};
+use crate::image::ImageError;
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// For each corner of texels, the sum of all texels above and left of it.
 #[derive(Debug)]
-pub(super) struct Sums {
-    width: usize,
-    height: usize,
-    sums: Vec<f64>,
+pub(super) struct Sums(Grid<f64>);
+
+/// A table in the making.
+pub(super) struct SumsRows {
+    components: usize,
+    /// The last row of corners.
+    above: Vec<f64>,
+    rows: Rows<f64>,
+}
+
+impl SumsRows {
+    /// The table of an image of so many columns and rows, in memory or in a store.
+    ///
+    /// # Errors
+    /// If memory does not suffice.
+    pub fn new(
+        [width, height]: [usize; 2],
+        components: usize,
+        stored: Option<(Arc<Store>, u64)>,
+    ) -> Result<SumsRows, ImageError> {
+        let above = vec![0.0; (width + 1) * components];
+        let mut rows = Rows::new([width + 1, height + 1], components, stored)?;
+        rows.push(&above)?;
+        Ok(SumsRows { components, above, rows })
+    }
+
+    /// Adds a row of the image.
+    ///
+    /// # Errors
+    /// If it cannot be stored.
+    pub fn push(&mut self, row: &[f32]) -> Result<(), ImageError> {
+        let mut sums = [0.0; super::COMPONENTS];
+        let corners = self.above.chunks_mut(self.components).skip(1);
+        for (texel, corner) in row.chunks(self.components).zip(corners) {
+            for ((sum, texel), corner) in sums.iter_mut().zip(texel).zip(corner) {
+                *sum += f64::from(*texel);
+                *corner += *sum;
+            }
+        }
+        self.rows.push(&self.above)
+    }
+
+    /// The whole table.
+    ///
+    /// # Errors
+    /// If the last rows cannot be stored.
+    pub fn finish(self) -> Result<Sums, ImageError> {
+        Ok(Sums(self.rows.finish()?))
+    }
 }
 
 /// A place on an axis as corners with their weights: what they sum up to there.
 type Corners = SmallVec<[(usize, f64); 6]>;
 
 impl Sums {
-    /// The table of an image.
-    pub fn of(image: &Level) -> Sums {
-        let (width, height, c) = (image.width, image.height, image.components);
-        let stride = (width + 1) * c;
-        let mut sums = vec![0.0; stride * (height + 1)];
-        for y in 0..height {
-            let (above, here) = sums[y * stride..(y + 2) * stride].split_at_mut(stride);
-            let mut row = [0.0; super::COMPONENTS];
-            for x in 0..width {
-                for k in 0..c {
-                    row[k] += f64::from(image.texels[(y * width + x) * c + k]);
-                    here[(x + 1) * c + k] = above[(x + 1) * c + k] + row[k];
-                }
-            }
-        }
-        Sums { width, height, sums }
-    }
-
     /// The mean over a box of these widths about a place.
-    pub fn mean<const C: usize>(&self, [s, v]: [f64; 2], widths: [f64; 2], edges: Edges) -> [f32; C] {
-        let (w, h) = (self.width as f64, self.height as f64);
+    pub fn mean<const C: usize>(
+        &self,
+        [s, v]: [f64; 2],
+        widths: [f64; 2],
+        edges: Edges,
+        near: &mut Near,
+    ) -> [f32; C] {
+        let (width, height) = (self.0.width - 1, self.0.height - 1);
+        let (w, h) = (width as f64, height as f64);
         let (dx, dy) = ((widths[0] * w).max(1.0), (widths[1] * h).max(1.0));
         // Beyond an edge that goes on for ever all boxes are alike; near ones keep their precision.
-        let near = |x: f64, n: f64, dx: f64| x.clamp(-dx, n + dx);
+        let held = |x: f64, n: f64, dx: f64| x.clamp(-dx, n + dx);
         let (mut x, mut y) = (s * w, v * h);
         if let Edges::Plane([along, down]) = edges {
-            x = if along == Wrap::Clamp { near(x, w, dx) } else { x };
-            y = if down == Wrap::Clamp { near(y, h, dy) } else { y };
+            x = if along == Wrap::Clamp { held(x, w, dx) } else { x };
+            y = if down == Wrap::Clamp { held(y, h, dy) } else { y };
         }
         let ([x0, x1], [y0, y1]) = ([x - 0.5 * dx, x + 0.5 * dx], [y - 0.5 * dy, y + 0.5 * dy]);
         let sum = match edges {
             Edges::Plane([along, down]) => {
-                self.sum::<C>(&between(x0, x1, self.width, along), &between(y0, y1, self.height, down))
+                self.sum::<C>(&between(x0, x1, width, along), &between(y0, y1, height, down), near)
             }
             _ => {
-                let here = between(x0, x1, self.width, Wrap::Periodic);
-                let mut sum = self.sum::<C>(&here, &between(y0, y1, self.height, Wrap::Black));
+                let here = between(x0, x1, width, Wrap::Periodic);
+                let mut sum = self.sum::<C>(&here, &between(y0, y1, height, Wrap::Black), near);
                 // What reaches over a pole comes down on the opposite meridian.
-                let beyond = between(x0 + 0.5 * w, x1 + 0.5 * w, self.width, Wrap::Periodic);
+                let beyond = between(x0 + 0.5 * w, x1 + 0.5 * w, width, Wrap::Periodic);
                 for (from, to) in [(0.0, -y0), (2.0 * h - y1, h)] {
                     if from < to {
-                        let part = self.sum::<C>(&beyond, &between(from, to, self.height, Wrap::Black));
+                        let part = self.sum::<C>(&beyond, &between(from, to, height, Wrap::Black), near);
                         (0..C).for_each(|c| sum[c] += part[c]);
                     }
                 }
@@ -71,13 +109,12 @@ impl Sums {
         sum.map(|sum| (sum / (dx * dy)) as f32)
     }
 
-    fn sum<const C: usize>(&self, along: &Corners, down: &Corners) -> [f64; C] {
+    fn sum<const C: usize>(&self, along: &Corners, down: &Corners, near: &mut Near) -> [f64; C] {
         let mut sum = [0.0; C];
         for (y, wy) in down {
             let mut row = [0.0; C];
             for (x, wx) in along {
-                let at = (y * (self.width + 1) + x) * C;
-                for (row, sum) in row.iter_mut().zip(&self.sums[at..at + C]) {
+                for (row, sum) in row.iter_mut().zip(&self.0.at::<C>(*x, *y, near)) {
                     *row += wx * sum;
                 }
             }

@@ -1,6 +1,6 @@
 //! What holds for every filter: means are kept, seams do not show, and nothing depends on an image's size.
 
-use super::source::from_image;
+use super::source::from_image as arranged_from;
 use super::sphere;
 use super::*;
 use crate::image::{Image, Variable};
@@ -8,6 +8,11 @@ use crate::image::{Image, Variable};
 const FILTERS: [Filter; 5] = [Filter::Mip, Filter::Sums, Filter::Nearest, Filter::Bilinear, Filter::Cubic];
 const WRAPS: [Wrap; 4] = [Wrap::Periodic, Wrap::Black, Wrap::Clamp, Wrap::Mirror];
 const ALL: Needs = Needs { levels: true, sums: true };
+
+/// A texture in memory.
+fn from_image(image: Image<'static>, layout: Layout, needs: Needs) -> Texture {
+    arranged_from(image, layout, needs, u64::MAX)
+}
 
 /// Scattered numbers from 0 to 1.
 fn scattered(i: usize) -> f32 {
@@ -29,7 +34,7 @@ fn look(filter: Filter, wrap: Wrap) -> Look {
 }
 
 fn at(texture: &Texture, look: Look, place: [f64; 2], widths: [f32; 2]) -> f32 {
-    let [x] = texture.at::<1>(look, place, widths);
+    let [x] = texture.at::<1>(look, place, widths, &mut Near::default());
     x
 }
 
@@ -51,7 +56,8 @@ fn a_constant_image_is_constant_under_every_filter_and_width() {
                     }
                 }
                 let direction = [scattered(i) - 0.5, scattered(i + 9) - 0.5, scattered(i + 99) - 0.5];
-                let [found] = round.toward::<1>(look(filter, Wrap::Periodic), direction, width);
+                let [found] =
+                    round.toward::<1>(look(filter, Wrap::Periodic), direction, width, &mut Near::default());
                 assert!((found - 0.7).abs() < 1e-5, "{w}x{h} {filter:?} around, {width}: {found}");
             }
         }
@@ -59,7 +65,12 @@ fn a_constant_image_is_constant_under_every_filter_and_width() {
     let cube = from_image(image(24, 18, |_, _| 0.7), Layout::Cube, Needs { levels: true, sums: false });
     for i in 0..200 {
         let direction = [0, 1, 2].map(|k| scattered(3 * i + k) - 0.5);
-        let [found] = cube.toward::<1>(look(Filter::Mip, Wrap::Periodic), direction, scattered(i));
+        let [found] = cube.toward::<1>(
+            look(Filter::Mip, Wrap::Periodic),
+            direction,
+            scattered(i),
+            &mut Near::default(),
+        );
         assert!((found - 0.7).abs() < 1e-6, "cube: {found}");
     }
 }
@@ -68,12 +79,16 @@ fn a_constant_image_is_constant_under_every_filter_and_width() {
 fn every_level_has_the_mean_of_the_image() {
     for (w, h) in [(64, 64), (37, 100), (5, 3), (1, 9), (255, 2)] {
         let texture = random(w, h, Layout::Plane);
-        let mean = |l: &Level| l.texels.iter().map(|&x| f64::from(x)).sum::<f64>() / l.texels.len() as f64;
+        let texels = |l: &Level| l.texels.memory().expect("it is in memory").to_vec();
+        let mean = |l: &Level| {
+            let texels = texels(l);
+            texels.iter().map(|&x| f64::from(x)).sum::<f64>() / texels.len() as f64
+        };
         let first = mean(&texture.levels[0]);
         for level in &texture.levels {
             assert!((mean(level) - first).abs() < 1e-6, "{w}x{h} at {}x{}", level.width, level.height);
         }
-        assert_eq!(texture.levels.last().map(|l| l.texels.len()), Some(1));
+        assert_eq!(texture.levels.last().map(|l| texels(l).len()), Some(1));
         let far = at(&texture, look(Filter::Mip, Wrap::Periodic), [0.3, 0.9], [1e9, 1e9]);
         assert!((f64::from(far) - first).abs() < 1e-6);
     }
@@ -155,7 +170,8 @@ fn directions_meet_at_seams_poles_and_edges() {
     let round = random(32, 16, Layout::LatLong);
     let cube = random(8 * 6, 8, Layout::Cube);
     let close = |texture: &Texture, filter, a: [f32; 3], b: [f32; 3], width: f32| {
-        let [[a1], [b1]] = [a, b].map(|d| texture.toward::<1>(look(filter, Wrap::Periodic), d, width));
+        let [[a1], [b1]] =
+            [a, b].map(|d| texture.toward::<1>(look(filter, Wrap::Periodic), d, width, &mut Near::default()));
         assert!((a1 - b1).abs() < 2e-3, "{:?} {filter:?} {a:?} {b:?} {width}: {a1} {b1}", texture.layout);
     };
     for i in 0..100 {
@@ -218,7 +234,7 @@ fn all_arrangements_of_a_cube_are_the_same_cube() {
     };
     let row = arranged(6, 1);
     for (columns, rows) in [(1, 6), (3, 2), (4, 3), (3, 4)] {
-        assert_eq!(arranged(columns, rows).levels[0].texels, row.levels[0].texels);
+        assert_eq!(arranged(columns, rows).levels[0].texels.memory(), row.levels[0].texels.memory());
     }
     assert!(sphere::sides(10, 10).is_none() && sphere::sides(7, 1).is_none());
     // In the cross, neighbours are neighbours: right of +z comes +x, above it +y.
@@ -244,7 +260,8 @@ fn awkward_places_are_borne() {
                     assert!(found.is_nan() || (-0.01..=1.01).contains(&found), "{a} {b} {width}: {found}");
                     for round in &textures[1..] {
                         let filter = if round.layout == Layout::Cube { Filter::Mip } else { filter };
-                        let [found] = round.toward::<1>(look(filter, wrap), [a, b, 0.5], width);
+                        let [found] =
+                            round.toward::<1>(look(filter, wrap), [a, b, 0.5], width, &mut Near::default());
                         assert!(
                             found.is_nan() || (-0.01..=1.01).contains(&found),
                             "{a} {b} {width}: {found}"
@@ -285,13 +302,58 @@ fn an_image_is_read_once_and_counted_each_time() {
         Layout::Plane,
     );
     source.needs = ALL;
+    let tiles = Arc::default();
     let mut left = 10_000;
-    let first = source.load(1.0, &mut left).unwrap();
+    let first = source.load(1.0, &mut left, &tiles).unwrap();
     let taken = 10_000 - left;
     assert_eq!(taken, 4 * (32 + 10) + 8 * 45);
     std::fs::remove_file(path).unwrap();
-    let again = source.load(2.0, &mut left).unwrap();
-    assert!(std::sync::Arc::ptr_eq(&first, &again));
+    let again = source.load(2.0, &mut left, &tiles).unwrap();
+    assert!(Arc::ptr_eq(&first, &again));
     assert_eq!(left, 10_000 - 2 * taken);
-    assert!(source.load(3.0, &mut (taken - 1)).is_err());
+    // What is allowed less memory now is read again.
+    assert!(source.load(3.0, &mut (taken - 1), &tiles).is_err());
+}
+
+#[test]
+fn tiles_are_as_memory_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let layouts = [(Layout::Plane, [167, 131]), (Layout::LatLong, [96, 40]), (Layout::Cube, [280, 210])];
+    let cubes = [[70 * 6, 70], [70, 70 * 6], [210, 140], [210, 280]].map(|size| (Layout::Cube, size));
+    for (layout, [w, h]) in layouts.into_iter().chain(cubes) {
+        let mut image = image(w, h, |x, y| scattered(y * w + x));
+        // A crop of a larger picture, but of cubes.
+        if layout != Layout::Cube {
+            (image.metadata.origin, image.metadata.resolution) = ([9, 5], Some([w + 20, h + 7]));
+        }
+        crate::image::write(&path, &image, &Default::default()).unwrap();
+        let origin = Origin::File(crate::image::Input::Path(path.clone()));
+        let load = |mut left: u64, tiles: u64| {
+            let mut source = Source::new("a.exr", origin.clone(), None, false, layout);
+            source.needs = Needs { levels: true, sums: layout != Layout::Cube };
+            let cache = Arc::<Tiles>::default();
+            let texture = source.load(0.0, &mut left, &cache).unwrap();
+            cache.allow(tiles);
+            assert_eq!(texture.store.is_some(), tiles > 0);
+            texture
+        };
+        let (memory, tiled) = (load(1 << 30, 0), load(0, 20_000));
+        let (mut a, mut b) = (Near::default(), Near::default());
+        for i in 0..20_000 {
+            let [s, v, width, across] = [0, 1, 2, 3].map(|k| scattered(4 * i + k));
+            let width = if i % 2 == 0 { width * width } else { 0.01 * width };
+            let filter = if layout == Layout::Cube { Filter::Mip } else { FILTERS[i % 5] };
+            let look = look(filter, WRAPS[i / 5 % 4]);
+            let (one, other) = if layout == Layout::Plane {
+                let (place, widths) = ([3.0 * f64::from(s) - 1.0, f64::from(v)], [width, width * across]);
+                (memory.at::<1>(look, place, widths, &mut a), tiled.at::<1>(look, place, widths, &mut b))
+            } else {
+                let way = [s - 0.5, v - 0.5, across - 0.5];
+                (memory.toward(look, way, width, &mut a), tiled.toward(look, way, width, &mut b))
+            };
+            assert_eq!(one.map(f32::to_bits), other.map(f32::to_bits), "{layout:?} {w}x{h} {look:?} {i}");
+        }
+        tiled.sound().unwrap();
+    }
 }

@@ -91,17 +91,33 @@ fn an_output_does_not_replace_a_texture() {
 #[test]
 fn memory_is_bounded() {
     let f = Folder::new();
-    f.good("run -q -e white*pixel.x -o large.exr --scene card --size 400x400");
-    f.write("p.pse", "color = texture(\"large.exr\", 0.5, 0.5, filter = \"sat\")\n");
-    f.good(&format!("run p.pse --texture-memory 8 {ONE}"));
-    f.bad(
-        1,
-        &format!("run p.pse --texture-memory 5 {ONE}"),
-        &[
-            "takes 6 MB of memory, and for textures 5 MB are left",
-            "400 x 400 texels of 3 floats",
-            "--texture-memory",
-        ],
+    f.good("run -q -e white*Noise(0.1*pixel) -o large.exr --scene card --size 1000x800");
+    let look = "texture(\"large.exr\", uv, filter = \"sat\") + texture(\"large.exr\", 2 * uv)";
+    f.write("p.pse", &format!("color = {look}\n"));
+    let run = |out: &str, more: &str| {
+        f.good(&format!("run p.pse --scene card --size 300x200 -o {out} --stats {more}"))
+    };
+    run("whole.exr", "");
+    // In tiles of a temporary file, and what is looked at in memory.
+    run("tiles.exr", "--texture-memory 1");
+    run("none.exr", "--texture-memory 0 --threads 2");
+    for tiled in ["tiles.exr", "none.exr"] {
+        assert_eq!(f.read("whole.exr"), f.read(tiled), "{tiled}");
+    }
+}
+
+#[test]
+fn what_finds_no_room_for_its_tiles_is_told() {
+    let f = Folder::new();
+    f.good("run -q -e white -o large.exr --scene card --size 64x64");
+    f.write("p.pse", "color = texture(\"large.exr\", uv)\n");
+    let arguments = "run p.pse --scene card --size 8x8 -o o.exr --texture-memory 0".split_whitespace();
+    let ended = ended(f.command().args(arguments).env("TMPDIR", "/no/such/folder"));
+    let told = ended.err;
+    assert!(ended.code == 1 && told.contains("TMPDIR"), "{told}");
+    assert!(
+        told.contains("temporary file for textures") && told.contains("texture(\"large.exr\", uv)"),
+        "{told}"
     );
 }
 

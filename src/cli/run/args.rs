@@ -151,7 +151,7 @@ pub(in crate::cli) struct LimitArgs {
     /// Megabytes of values that a thread holds
     #[arg(long, value_name = "MB", default_value_t = Limits::default().memory >> 20)]
     max_memory: usize,
-    /// Megabytes of textures, all together
+    /// Megabytes of textures in memory, all together; larger ones go through a temporary file
     #[arg(long, value_name = "MB", default_value_t = TEXTURE_MEMORY >> 20)]
     texture_memory: usize,
 }
