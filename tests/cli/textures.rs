@@ -112,7 +112,7 @@ fn what_finds_no_room_for_its_tiles_is_told() {
     f.good("run -q -e white -o large.exr --scene card --size 64x64");
     f.write("p.pse", "color = texture(\"large.exr\", uv)\n");
     let arguments = "run p.pse --scene card --size 8x8 -o o.exr --texture-memory 0".split_whitespace();
-    let ended = ended(f.command().args(arguments).env("TMPDIR", "/no/such/folder"));
+    let ended = crate::ended(f.command().args(arguments).env("TMPDIR", "/no/such/folder"));
     let told = ended.err;
     assert!(ended.code == 1 && told.contains("TMPDIR"), "{told}");
     assert!(
