@@ -231,6 +231,36 @@ fn report() -> String {
     markdown(&header, &rows.collect::<Vec<_>>())
 }
 
+/// What is added to a program to ask for a derivative of what costs nothing, and of what costs most.
+const DERIVATIVES: [(&str, &str); 2] =
+    [("of a point", "w = filterwidth(point.x)\n"), ("of the colour", "w = filterwidth(color)\n")];
+
+/// Programs without derivatives, with one that needs next to nothing run thrice, and with one that needs all of it.
+fn derivatives() -> String {
+    let torus = torus();
+    let rows = WORKLOADS.iter().take(5).map(|workload| {
+        let programs: Vec<(&str, Program)> = std::iter::once(("none", ""))
+            .chain(DERIVATIVES)
+            .map(|(name, more)| {
+                let text = format!("{}\n{more}", workload.text);
+                (name, Program::compile(&text).expect("the workloads are programs"))
+            })
+            .collect();
+        let runs = programs.iter().map(|(name, program)| {
+            let options = RunOptions { threads: Some(1), ..RunOptions::default() };
+            let torus = &torus;
+            let run = move || drop(black_box(program.run(torus, &options).expect("the workloads run")));
+            (name.to_string(), Box::new(run) as Box<dyn FnMut()>)
+        });
+        let turns = Turns::of(9, runs.collect());
+        let mut row = vec![workload.name.to_string(), shown(turns.median("none") / PIXELS as f64)];
+        row.extend(DERIVATIVES.map(|(name, _)| format!("{:.2}", turns.ratio(name, "none"))));
+        row
+    });
+    let header = ["", "none, ns a pixel", "of a point, ratio", "of the colour, ratio"];
+    markdown(&header, &rows.collect::<Vec<_>>())
+}
+
 /// A table in Markdown.
 fn markdown<H: AsRef<str>, R: AsRef<str>>(header: &[H], rows: &[Vec<R>]) -> String {
     let header: Vec<&str> = header.iter().map(AsRef::as_ref).collect();
@@ -252,6 +282,7 @@ fn main() {
     keep_memory();
     if table::updating() {
         table::update("programs", &report());
+        table::update("derivatives", &derivatives());
         return;
     }
     let mut criterion = Criterion::default().without_plots().configure_from_args();

@@ -13,6 +13,8 @@ struct Writer<'a> {
     choices: std::slice::Iter<'a, u8>,
     text: String,
     loops: usize,
+    /// May it ask for derivatives? Then all pixels run with shadows.
+    derivatives: bool,
 }
 
 impl Writer<'_> {
@@ -44,7 +46,7 @@ impl Writer<'_> {
             };
         }
         let d = depth - 1;
-        match self.pick(25) {
+        match self.pick(if self.derivatives { 29 } else { 25 }) {
             0 => format!("({} + {})", self.scalar(d), self.scalar(d)),
             1 => format!("({} - {})", self.scalar(d), self.scalar(d)),
             2 => format!("({} * {})", self.scalar(d), self.scalar(d)),
@@ -79,7 +81,11 @@ impl Writer<'_> {
                 self.scalar(0),
                 self.scalar(d)
             ),
-            _ => format!("early({}, {})", self.vector(d), self.scalar(d)),
+            24 => format!("early({}, {})", self.vector(d), self.scalar(d)),
+            25 => format!("Du({})", self.scalar(d)),
+            26 => format!("sum(Dv({}))", self.vector(d)),
+            27 => format!("filterwidth({})", self.scalar(d)),
+            _ => format!("texture(\"map\", {}, {})", self.scalar(d), self.scalar(0)),
         }
     }
 
@@ -168,8 +174,8 @@ impl Writer<'_> {
     }
 }
 
-fn program(choices: &[u8]) -> String {
-    let mut writer = Writer { choices: choices.iter(), text: String::new(), loops: 0 };
+fn program(choices: &[u8], derivatives: bool) -> String {
+    let mut writer = Writer { choices: choices.iter(), text: String::new(), loops: 0, derivatives };
     writer.text.push_str(
         "function deep(a, n)\n    if n <= 0 || a > 100\n        return a\n    return deep(a + x, n - 1)\n\
          function early(v, a)\n    for e in v\n        if e > a\n            return e * 2\n        a += y\n    return a\n\
@@ -246,11 +252,14 @@ impl Host for Map {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 160, ..ProptestConfig::default() })]
 
     #[test]
-    fn batches_threads_and_instruction_sets_agree(choices in prop::collection::vec(any::<u8>(), 0..160)) {
-        let text = program(&choices);
+    fn batches_threads_and_instruction_sets_agree(
+        choices in prop::collection::vec(any::<u8>(), 0..160),
+        derivatives in any::<bool>(),
+    ) {
+        let text = program(&choices, derivatives);
         let program = Compiler::new().host(&Map::new()).compile("program", &text);
         let program = program.unwrap_or_else(|e| panic!("{text}\n{e}"));
         let image = image();
