@@ -72,9 +72,8 @@ impl Writer<'_> {
             22 => {
                 let filter = ["sat", "cubic", "nearest"][usize::from(self.pick(3))];
                 let (s, t, width) = (self.scalar(d), self.scalar(0), self.scalar(0));
-                format!(
-                    "texture(\"map\", {s}, {t}, width = [{width} 0.2], filter = \"{filter}\", wrap = \"mirror\")"
-                )
+                let width = if filter == "sat" { format!(", width = [{width} 0.2]") } else { String::new() };
+                format!("texture(\"map\", {s}, {t}{width}, filter = \"{filter}\", wrap = \"mirror\")")
             }
             23 => format!(
                 "(environment(\"map\", p, width = {}) + table([y x 3], {}))",

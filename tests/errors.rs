@@ -129,7 +129,6 @@ fn run(name: &str, text: &str) -> Result<(), Error> {
         set: set.into_iter().collect(),
         outputs,
         frame: number("frame").unwrap_or(0) as f32,
-        texture_memory: number("texture_memory"),
         ..RunOptions::default()
     };
     program.run(&image(text), &options).map(drop)

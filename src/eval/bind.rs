@@ -423,6 +423,11 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
             }
             let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
                 .label(span, "nothing assigns it, and the input has none of that name");
+            if matches!(name, "camera" | "world" | "screen" | "object") {
+                return Some(error.hint(format!(
+                    "A space is named in quotation marks: `transform(\"{name}\", point)`."
+                )));
+            }
             let near = names::nearest(name, known.iter().copied());
             // The host may know of variables that it did not load.
             let mut hints = bound.missing.map_or(Vec::new(), |missing| missing(name));

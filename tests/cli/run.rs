@@ -172,6 +172,7 @@ fn frames_in_step_with_names() {
     f.good("run -e white*frame --frames 2-6x4 --size 8x8");
     assert!(f.path("out.0006.png").exists());
     f.bad(2, "run -e white --frames 1-3 -o a.png", &["3 frames", "a.png", "-o out.####.png"]);
+    f.bad(2, "run -e white -o o.##.png", &["o.##.png has a place for the frame's number", "--frame 1"]);
     f.bad(2, "run -e white --frame 7.5 -o s.##.exr", &["s.##.exr", "7.5"]);
     f.bad(2, "run -e white --frames 1..3", &["1-20x2"]);
     f.bad(2, "run -e white --frames 1-3 --frame 2", &["cannot be used with"]);

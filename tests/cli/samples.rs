@@ -63,6 +63,7 @@ fn statistics_count_pixels_and_not_samples() {
 #[test]
 fn what_cannot_be_is_said() {
     let f = Folder::new();
+    f.bad(2, "run -e white --samples -3", &["-3", "whole number from 1 to 65536"]);
     f.bad(2, "run -e white --samples 0", &["--samples", "whole number from 1"]);
     f.bad(2, "run -e white --samples 4 --filter gauss", &["catmull-rom", "mitchell"]);
     f.bad(2, "run -e white --filter box", &["--samples"]);

@@ -87,7 +87,7 @@ pub(in crate::cli) struct RunArgs {
     #[arg(long, value_name = "8|16|32", value_parser = bits, help_heading = "Output")]
     pub bits: Option<u8>,
     /// Run the program so many times in each pixel, at places here and there, and write the mean
-    #[arg(long, value_name = "N", value_parser = positive, help_heading = "Antialiasing")]
+    #[arg(long, value_name = "N", value_parser = positive, help_heading = "Antialiasing", allow_negative_numbers = true)]
     pub samples: Option<usize>,
     /// What a pixel sees of its surroundings: itself (box), or up to one (triangle) or two pixels beside it
     #[arg(long, value_enum, default_value_t, requires = "samples", help_heading = "Antialiasing")]

@@ -80,6 +80,12 @@ impl Plan {
             let failure = Failure::usage(format!("{} frames cannot all be written to {shown}", frames.len()));
             return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
         }
+        let patterned = |path: &&PathBuf| frames::has_pattern(&path.to_string_lossy());
+        if let Some(path) = paths.iter().find(patterned).filter(|_| frames.iter().any(|f| f.number.is_none())) {
+            let shown = output::shown(path);
+            return Err(Failure::usage(format!("{shown} has a place for the frame's number, and none is given"))
+                .hint("Give the frames: --frames 1-24, or --frame 1."));
+        }
         let (name, text) = args.program.read()?;
         let program = source::compile(&name, &text, &args.program.path)?;
         let vars = args.vars.as_ref().map(|v| v.iter().map(|v| v.trim().to_string()).collect::<Vec<_>>());
