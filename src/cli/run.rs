@@ -94,6 +94,8 @@ fn compute(
         no_optimize: args.no_optimize,
         profile: args.profile,
         limits: args.limits.limits(),
+        prints: 0,
+        print_columns: None,
         texture_memory: Some(args.limits.textures()),
         cancel: Some(&CANCEL),
         progress: Some(&progress),

@@ -18,23 +18,30 @@ mod machine;
 mod ops;
 mod output;
 mod passes;
+mod pixel;
 mod pixels;
 mod pixelsize;
 mod plan;
+mod print;
 mod profile;
 mod run;
 mod samples;
 mod shadow;
 mod spaces;
 mod store;
+mod trace;
+mod tracer;
 mod worker;
 
 pub use bind::Missing;
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
+pub use pixel::{eval_pixel, trace};
+pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};
-pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, eval_pixel, run};
+pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, run};
 pub use samples::{Filter, Places, Resample, Sampling};
+pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 pub(crate) use spaces::{knows_camera, no_eye};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
