@@ -28,8 +28,8 @@ pub use crate::eval::{
 pub use crate::host::Host;
 pub use crate::image::{Image, Variable};
 pub use crate::program::{
-    Compiler, Error, Failure, Filter, Limits, Prints, Program, Progress, Report, RunOptions, Sampling, Stream,
-    Trace, TraceOptions,
+    Compiler, Error, Failure, Filter, Limits, Prints, Program, Progress, Report, RunOptions, Sampling,
+    Stream, Trace, TraceOptions,
 };
 pub use crate::shape::Shape;
 pub use crate::value::PixelValue;

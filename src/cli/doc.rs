@@ -91,7 +91,12 @@ pub(super) fn text(name: &str) -> Result<String, Failure> {
         return Ok(reference::describe(entry));
     }
     if name == printing::NAME {
-        return Ok(format!("{}\n\n{}\n{}", printing::SIGNATURE, reference::paragraph(printing::BRIEF), reference::paragraph(printing::DOC)));
+        return Ok(format!(
+            "{}\n\n{}\n{}",
+            printing::SIGNATURE,
+            reference::paragraph(printing::BRIEF),
+            reference::paragraph(printing::DOC)
+        ));
     }
     let groups = names_by_group();
     let others = || groups.iter().flat_map(|(title, lines)| lines.iter().map(move |l| (*title, l)));

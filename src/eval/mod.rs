@@ -41,8 +41,8 @@ pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, run};
 pub use samples::{Filter, Places, Resample, Sampling};
-pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 pub(crate) use spaces::{knows_camera, no_eye};
+pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
 /// spread the cost of a tree's walk, small enough that the planes of a program stay in the cache.

@@ -443,12 +443,7 @@ impl<'r> Job<'r> {
         Ok(threads)
     }
 
-    fn chunk(
-        &self,
-        worker: &mut Worker<'r>,
-        chunk: &mut Chunk<'_>,
-        prints: &mut Prints,
-    ) -> Result<(), Stop> {
+    fn chunk(&self, worker: &mut Worker<'r>, chunk: &mut Chunk<'_>, prints: &mut Prints) -> Result<(), Stop> {
         let lanes = if self.program.derivatives { shadow::LANES } else { 1 };
         let batch = (self.options.batch.unwrap_or(super::BATCH) / lanes).max(1);
         let Chunk { start, len, planes } = chunk;

@@ -46,7 +46,8 @@ impl Resolver<'_> {
                     name.span,
                 );
                 let text = self.sources.text(value.span);
-                let hint = format!("To tell the name too, write it as a text: `{NAME}(\"{}\", {text})`.", name.text);
+                let hint =
+                    format!("To tell the name too, write it as a text: `{NAME}(\"{}\", {text})`.", name.text);
                 self.errors.push(error.hint(hint));
             }
             parts.push(match &*value.kind {

@@ -116,15 +116,17 @@ impl Session {
         }
     }
 
-    /// Takes a program's file for the program so far.
-    pub fn load(&mut self, path: &std::path::Path) -> Result<(), Failure> {
+    /// Takes a program's file for the program so far; gives what it prints.
+    pub fn load(&mut self, path: &std::path::Path) -> Result<String, Failure> {
         let (_, text) = super::super::source::read(path)?;
         let text = format!("{}\n", text.trim_end());
         let program = self.compile(&text)?;
         self.at_pixel(&program)?;
+        self.pieces.clear();
+        let printed = self.printed(&program)?;
         self.pieces = vec![text];
         self.file = Some(path.to_path_buf());
-        Ok(())
+        Ok(printed)
     }
 
     /// Compiles a text.

@@ -169,9 +169,7 @@ pub(in crate::cli) fn frame<'n>(
         && number.is_none()
         && let Some(name) = names.find(|name| frames::has_pattern(name))
     {
-        return Err(Failure::usage(format!(
-            "{name} has no place for frame {value}, only for whole numbers"
-        )));
+        return Err(Failure::usage(format!("{name} has no place for frame {value}, only for whole numbers")));
     }
     Ok(Frame { value, number })
 }

@@ -6,7 +6,7 @@ use super::plan::{Output, Plan};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::stats::Stats;
-use crate::eval::{Profile, Prints};
+use crate::eval::{Prints, Profile};
 use crate::image::{Format, Image, Writer};
 use crate::program::{RunOptions, Stream};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -13,9 +13,10 @@ pub(super) fn json(about: &About<'_>) -> String {
     let start = json!({
         "event": "pixel", "pixel": trace.pixel, "program": about.name, "frame": number(about.frame),
     });
-    let values = trace.values.iter().map(|(name, value)| {
-        json!({"event": "result", "name": name, "value": self::value(value)})
-    });
+    let values = trace
+        .values
+        .iter()
+        .map(|(name, value)| json!({"event": "result", "name": name, "value": self::value(value)}));
     let all = std::iter::once(start)
         .chain(trace.events.iter().map(|e| event(about, e)))
         .chain(values)
@@ -68,7 +69,9 @@ fn event(about: &About<'_>, event: &Event) -> Value {
         }
         EventKind::Kept { value } => ("kept", json!({"value": self::value(value)})),
         EventKind::Value { value } => ("value", json!({"value": self::value(value)})),
-        EventKind::Branch { value, taken } => ("branch", json!({"value": self::value(value), "taken": taken})),
+        EventKind::Branch { value, taken } => {
+            ("branch", json!({"value": self::value(value), "taken": taken}))
+        }
         EventKind::Round { element: None } => ("round", json!({})),
         EventKind::Round { element: Some((name, value)) } => {
             ("round", json!({"name": name, "value": self::value(value)}))
@@ -94,7 +97,7 @@ fn event(about: &About<'_>, event: &Event) -> Value {
     };
     let mut map = place(about, event.span);
     map.insert("event".into(), json!(kind));
-    map.insert("frame".into(), json!(event.frame));
+    map.insert("once".into(), json!(event.frame));
     map.insert("depth".into(), json!(event.depth));
     map.insert("rounds".into(), json!(event.rounds));
     if let Value::Object(more) = more {
@@ -110,8 +113,7 @@ fn birth(about: &About<'_>, birth: &Birth) -> Value {
         NotFinite::Nan => "NaN",
         NotFinite::Infinity => "infinity",
     };
-    let operand =
-        |(span, value): &(Span, PixelValue)| json!({"text": sources.text(*span), "value": self::value(value)});
+    let operand = |(span, value): &(Span, PixelValue)| json!({"text": sources.text(*span), "value": self::value(value)});
     let call = |(name, span): &(String, Span)| {
         let mut map = place(about, *span);
         map.insert("name".into(), json!(name));

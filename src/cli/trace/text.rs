@@ -37,15 +37,17 @@ pub(super) fn text(about: &About<'_>, limit: usize, color: bool) -> String {
     for event in &about.trace.events {
         let mut row = row(about, event, limit);
         // A line that stands there already is not told twice in a row.
-        let here = Some((first_line(about, event.span), event.depth));
-        if !row.source.is_empty() && here == before {
+        let placed = !matches!(event.kind, EventKind::Input { .. } | EventKind::Omitted { .. });
+        let here = placed.then(|| (first_line(about, event.span), event.depth));
+        if here.is_some() && here == before {
             (row.line, row.source) = Default::default();
         }
         before = here;
         rows.push(row);
     }
     let width = |of: fn(&Row) -> &str| rows.iter().map(|r| of(r).chars().count()).max().unwrap_or(0);
-    let (line, rounds, source) = (width(|r| &r.line).max(4), width(|r| &r.rounds), width(|r| &r.source).max(6));
+    let (line, rounds, source) =
+        (width(|r| &r.line).max(4), width(|r| &r.rounds), width(|r| &r.source).max(6));
     let paint = |text: String, code: &str| match color {
         true if !text.trim().is_empty() => format!("\x1b[{code}m{text}\x1b[0m"),
         _ => text,
@@ -55,7 +57,12 @@ pub(super) fn text(about: &About<'_>, limit: usize, color: bool) -> String {
     let gap = if rounds > 0 { "  " } else { "" };
     // Without loops there is no column of rounds.
     let rounds = if rounds > 0 { rounds.max(5) } else { 0 };
-    let heading = format!("{:>line$}{gap}{:rounds$}  {:source$}  what happens", "line", &"round"[..rounds.min(5)], "source");
+    let heading = format!(
+        "{:>line$}{gap}{:rounds$}  {:source$}  what happens",
+        "line",
+        &"round"[..rounds.min(5)],
+        "source"
+    );
     out += &paint(heading, "2");
     out.push('\n');
     for row in &rows {
@@ -65,7 +72,8 @@ pub(super) fn text(about: &About<'_>, limit: usize, color: bool) -> String {
             _ => "0",
         };
         let place = format!("{:>line$}{gap}{:rounds$}", row.line, row.rounds);
-        let told = format!("{}  {:source$}  {}", paint(place, "2"), row.source, paint(row.what.clone(), code));
+        let told =
+            format!("{}  {:source$}  {}", paint(place, "2"), row.source, paint(row.what.clone(), code));
         out += told.trim_end();
         out.push('\n');
     }
@@ -180,7 +188,8 @@ fn told(about: &About<'_>, event: &Event) -> (String, bool) {
         EventKind::Continue => ("on to the next round".into(), false),
         EventKind::Return { value } => (format!("returns {value}"), holds(value)),
         EventKind::Call { name, arguments, result } => {
-            let list: Vec<String> = arguments.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+            let list: Vec<String> =
+                arguments.iter().map(|(name, value)| format!("{name} = {value}")).collect();
             let call = format!("{name}({})", list.join(", "));
             match result {
                 Some(value) => (format!("{call} gives {value}"), holds(value)),
