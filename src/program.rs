@@ -197,6 +197,9 @@ impl Program {
     ///
     /// An error at the pixel is a part of the trace, behind what happened before it.
     ///
+    /// A program that asks how things change from pixel to pixel has the whole image looked through for neighbours. Two rows
+    /// above the pixel and two below it are enough, as an image of their own whose `metadata.origin` says where they lie.
+    ///
     /// ```
     /// use pse::{EventKind, Image, Program, RunOptions, TraceOptions};
     ///

@@ -173,7 +173,7 @@ impl<'o> Stream<'o> {
         // The shapes that the samples did not show are learnt on the way; each round adds at least one.
         let report = loop {
             match job.samples()? {
-                Attempt::Done(report) => break Some(report),
+                Attempt::Done(report) => break Some(*report),
                 Attempt::Again(misfit) => job.widen(misfit)?,
             }
             if begun {
@@ -186,7 +186,7 @@ impl<'o> Stream<'o> {
 }
 
 pub(super) enum Attempt {
-    Done(Report),
+    Done(Box<Report>),
     Again(Misfit),
 }
 
@@ -417,7 +417,7 @@ impl<'r> Job<'r> {
         let prints = prints.into_inner().unwrap_or_else(|e| e.into_inner());
         let frame_prints = self.bound.prints.clone();
         let report = Report { image, not_finite, by_normal, threads, time, frame_prints, prints, profile };
-        Ok(Attempt::Done(report))
+        Ok(Attempt::Done(Box::new(report)))
     }
 
     /// Runs `work` on every thread that was asked for, and says how many those are.

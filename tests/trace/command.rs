@@ -76,6 +76,29 @@ fn the_text() {
 }
 
 #[test]
+fn the_document_shows_what_is() {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/trace.md")).unwrap();
+    let block = |mark: &str| {
+        let after = text.split_once(&format!("```{mark}\n")).unwrap().1;
+        after.split_once("```").unwrap().0.to_string()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("veins.pse"), block("pse")).unwrap();
+    let shown = block("text");
+    let (command, expected) = shown.split_once('\n').unwrap();
+    let (out, _) = good(folder.path(), command.strip_prefix("$ pse ").unwrap());
+    assert_eq!(out, expected);
+    let run = text.split_once("$ pse run").unwrap().1.split_once("```").unwrap().0;
+    let (arguments, expected) = run.split_once('\n').unwrap();
+    let (_, err) = good(folder.path(), &format!("run{arguments}"));
+    // But for the time.
+    let same = |text: &str| -> Vec<String> {
+        text.lines().filter(|l| !l.starts_with("wrote ")).map(str::to_string).collect()
+    };
+    assert_eq!(same(&err), same(expected));
+}
+
+#[test]
 fn the_json() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("p.pse"), PROGRAM).unwrap();

@@ -118,6 +118,10 @@ fn images_of_programs_that_print_are_the_same() {
         let (chatty, added) = chatty(&text);
         let Ok(silent) = compile(&text).run(&image, &RunOptions::default()) else { continue };
         let report = compile(&chatty).run(&image, &lines(5)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        // What plans leave behind is what is printed.
+        let walk = RunOptions { no_optimize: true, ..lines(5000) };
+        let (walked, planned) = (printed(&chatty, &image, walk), printed(&chatty, &image, lines(5000)));
+        assert!(walked == planned, "{name}");
         for (a, b) in silent.image.variables.iter().zip(&report.image.variables) {
             let bits = |v: &pse::Variable<'_>| -> Vec<Vec<u32>> {
                 v.planes.iter().map(|p| p.iter().map(|x| x.to_bits()).collect()).collect()

@@ -99,7 +99,7 @@ fn end(about: &About<'_>, paint: &dyn Fn(String, &str) -> String) -> String {
 /// Where NaN or an infinity came up.
 fn born(about: &About<'_>, birth: &Birth) -> String {
     let sources = about.program.sources();
-    let text = |span: Span| sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = |span: Span| one_line(sources.text(span));
     let what = match birth.what {
         NotFinite::Nan => "NaN",
         NotFinite::Infinity => "infinity",
@@ -120,6 +120,11 @@ fn born(about: &About<'_>, birth: &Birth) -> String {
         out += &format!("\n    in a call of {name}(), line {}", prints::line(*span, sources));
     }
     out
+}
+
+/// A text that may go over several lines, in one.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn rounds(rounds: &[u32]) -> String {
@@ -176,7 +181,7 @@ fn told(about: &About<'_>, event: &Event) -> (String, bool) {
         EventKind::Param { name, value, set: true } => (format!("{name} = {value}  (set)"), holds(value)),
         EventKind::Assign { name, value, kept } if *kept || event.frame => frame(named(name, value)),
         EventKind::Assign { name, value, .. } => named(name, value),
-        EventKind::Kept { value } => frame(named(about.program.sources().text(event.span), value)),
+        EventKind::Kept { value } => frame(named(&one_line(about.program.sources().text(event.span)), value)),
         EventKind::Value { value } => (value.to_string(), holds(value)),
         EventKind::Branch { value, taken: true } => (format!("yes ({value})"), false),
         EventKind::Branch { value, taken: false } => (format!("no ({value})"), false),
