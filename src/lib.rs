@@ -22,11 +22,14 @@ pub mod texture;
 pub mod value;
 
 pub use crate::diagnostic::{Diagnostic, Style};
-pub use crate::eval::{BATCH, BatchArguments, BatchResult, HostFunction};
+pub use crate::eval::{
+    BATCH, BatchArguments, BatchResult, Birth, Event, EventKind, HostFunction, NotFinite, Part, Printed,
+};
 pub use crate::host::Host;
 pub use crate::image::{Image, Variable};
 pub use crate::program::{
-    Compiler, Error, Failure, Filter, Limits, Program, Progress, Report, RunOptions, Sampling, Stream,
+    Compiler, Error, Failure, Filter, Limits, Prints, Program, Progress, Report, RunOptions, Sampling,
+    Stream, Trace, TraceOptions,
 };
 pub use crate::shape::Shape;
 pub use crate::value::PixelValue;

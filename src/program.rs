@@ -11,7 +11,9 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use crate::eval::{Failure, Filter, Limits, Options as RunOptions, Progress, Report, Sampling};
+pub use crate::eval::{
+    Failure, Filter, Limits, Options as RunOptions, Prints, Progress, Report, Sampling, Trace, TraceOptions,
+};
 
 /// A compiled program. It holds no state: share it between threads, and run it as often as you like.
 ///
@@ -162,9 +164,78 @@ impl Program {
         row: usize,
         options: &RunOptions<'_>,
     ) -> Result<Vec<(String, PixelValue)>, Error> {
-        assert!(column < image.width && row < image.height, "the image has no pixel [{column} {row}]");
-        eval::eval_pixel(&self.resolved, image, row * image.width + column, options)
-            .map_err(|f| self.error(f))
+        let pixel = index(image, column, row);
+        let (values, _) =
+            eval::eval_pixel(&self.resolved, image, pixel, options).map_err(|f| self.error(f))?;
+        Ok(values)
+    }
+
+    /// Runs it at one pixel of an image, as [`Program::eval_pixel_of`]: what it prints there, so many lines of it as
+    /// [`RunOptions::prints`] says.
+    ///
+    /// # Errors
+    /// As [`Program::run`].
+    ///
+    /// # Panics
+    /// If the image has no such pixel.
+    pub fn prints_of(
+        &self,
+        image: &Image<'_>,
+        column: usize,
+        row: usize,
+        options: &RunOptions<'_>,
+    ) -> Result<Prints, Error> {
+        let pixel = index(image, column, row);
+        let (_, prints) =
+            eval::eval_pixel(&self.resolved, image, pixel, options).map_err(|f| self.error(f))?;
+        Ok(prints)
+    }
+
+    /// Runs it at one pixel of an image, counted from the top left of what the image holds, and tells all that happens
+    /// there. Every value is the one of [`Program::run`], to the last bit. (Samples are not looked at: it is the pixel's
+    /// middle that runs.)
+    ///
+    /// An error at the pixel is a part of the trace, behind what happened before it.
+    ///
+    /// A program that asks how things change from pixel to pixel has the whole image looked through for neighbours. Two rows
+    /// above the pixel and two below it are enough, as an image of their own whose `metadata.origin` says where they lie.
+    ///
+    /// ```
+    /// use pse::{EventKind, Image, Program, RunOptions, TraceOptions};
+    ///
+    /// let program = Program::compile("x = 2\nwhile x < 9\n    x = x * 2\ncolor = x * white")?;
+    /// let image = Image::new(1, 1, [])?;
+    /// let trace = program.trace(&image, 0, 0, &RunOptions::default(), &TraceOptions::default())?;
+    /// let told: Vec<String> = trace
+    ///     .events
+    ///     .iter()
+    ///     .filter_map(|event| match &event.kind {
+    ///         EventKind::Assign { name, value, .. } => {
+    ///             let (line, _) = program.sources().line_column(event.span);
+    ///             Some(format!("{line}: {name} = {value}, {:?}", event.rounds))
+    ///         }
+    ///         _ => None,
+    ///     })
+    ///     .collect();
+    /// assert_eq!(told[..3], ["1: x = 2, []", "3: x = 4, [1]", "3: x = 8, [2]"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// What does not fit the image, or goes wrong before the pixels; or that the run was cancelled.
+    ///
+    /// # Panics
+    /// If the image has no such pixel.
+    pub fn trace(
+        &self,
+        image: &Image<'_>,
+        column: usize,
+        row: usize,
+        options: &RunOptions<'_>,
+        wanted: &TraceOptions,
+    ) -> Result<Trace, Error> {
+        let pixel = index(image, column, row);
+        eval::trace(&self.resolved, image, pixel, options, wanted).map_err(|f| self.error(f))
     }
 
     /// The program after names were resolved.
@@ -198,6 +269,12 @@ impl Program {
         };
         Error { diagnostics, sources: self.resolved.sources.clone(), cancelled }
     }
+}
+
+/// A pixel among those that the image holds.
+fn index(image: &Image<'_>, column: usize, row: usize) -> usize {
+    assert!(column < image.width && row < image.height, "the image has no pixel [{column} {row}]");
+    row * image.width + column
 }
 
 /// A run over an image that comes a few rows at a time, from the top down; see [`Program::stream`].

@@ -148,3 +148,14 @@ fn at_a_terminal() {
     session.send_control('d').unwrap();
     session.exp_eof().unwrap();
 }
+
+#[test]
+fn print_tells_what_is_new() {
+    let out = good(
+        "a = 3\nprint(\"a\", a)\nb = a\nprint(b)\nb\nfunction f(x)\n    print(\"in f\", x)\n    return x\n\nf(2) + f(3)\n\
+         for i in [1 .. 12]\n    print(i)\n\nc = f(5)\n:doc print\n",
+    );
+    let count: String = (1..=10).map(|i| format!("{i}\n")).collect();
+    let expected = format!("a 3\n3\n3\nin f 2\nin f 3\n5\n{count}… 2 more lines\nin f 5\nprint(e, …)\n");
+    assert!(out.starts_with(&expected), "{out}");
+}

@@ -95,13 +95,18 @@ pub fn describe(entry: &Entry) -> String {
     text.push_str(&wrap(&entry.brief));
     if !entry.doc.is_empty() {
         text.push('\n');
-        text.push_str(&wrap(&plain(&entry.doc)));
+        text.push_str(&paragraph(&entry.doc));
     }
     text.push('\n');
     for line in examples(entry).lines() {
         let _ = writeln!(text, "    {line}");
     }
     text
+}
+
+/// A paragraph of Markdown for the terminal.
+pub fn paragraph(markdown: &str) -> String {
+    wrap(&plain(markdown))
 }
 
 /// Markdown without its marks: emphasis, code, and links cut down to their words.

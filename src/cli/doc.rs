@@ -3,7 +3,7 @@
 use super::failure::{Failure, print};
 use crate::builtin::reference;
 use crate::reference::entries;
-use crate::resolve::names;
+use crate::resolve::{names, print as printing};
 use clap::Args;
 use std::fmt::Write;
 
@@ -55,6 +55,7 @@ fn names_by_group() -> Vec<(&'static str, Vec<(&'static str, String)>)> {
     };
     let constants = names::CONSTANTS.iter().map(|c| (c.name, format!("{}: {}", value(c), c.brief)));
     vec![
+        ("A statement that is written as a call", vec![(printing::NAME, printing::BRIEF.to_string())]),
         ("Constants", constants.collect()),
         ("What every program can read", own(names::SYSTEM)),
         ("What images usually hold", own(INPUTS)),
@@ -88,6 +89,14 @@ pub(super) fn text(name: &str) -> Result<String, Failure> {
     let entries = entries();
     if let Some(entry) = entries.iter().find(|e| e.name == name) {
         return Ok(reference::describe(entry));
+    }
+    if name == printing::NAME {
+        return Ok(format!(
+            "{}\n\n{}\n{}",
+            printing::SIGNATURE,
+            reference::paragraph(printing::BRIEF),
+            reference::paragraph(printing::DOC)
+        ));
     }
     let groups = names_by_group();
     let others = || groups.iter().flat_map(|(title, lines)| lines.iter().map(move |l| (*title, l)));

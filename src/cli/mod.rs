@@ -15,12 +15,14 @@ mod input;
 mod interrupt;
 mod noise;
 mod output;
+mod prints;
 mod progress;
 mod region;
 mod repl;
 mod run;
 mod source;
 mod stats;
+mod trace;
 mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -32,6 +34,7 @@ Examples:
   pse run marble.pse -i gbuffer.exr -o a.png   run a program on a renderer's G-buffer
   pse run marble.pse --set veins=6 -o a.exr    set one of its params
   pse repl --scene vase                        try things out line by line
+  pse trace marble.pse --pixel 320,200         what happens at a pixel, step by step
   pse scene --list                             the built-in G-buffers
   pse info gbuffer.exr                         what is in a file, and what programs call it
   pse noise -o noise.png                       the kinds of noise, with their spectra
@@ -53,6 +56,8 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Try out the language line by line
     Repl(repl::ReplArgs),
+    /// Tell all that happens at one pixel: assignments, branches, calls, and where NaN comes from
+    Trace(Box<trace::TraceArgs>),
     /// Write the G-buffer of a built-in scene, or list the scenes
     Scene(view::SceneArgs),
     /// Show the kinds of noise, with their spectra, or tell about them
@@ -76,6 +81,7 @@ pub fn run(cli: Cli) -> ExitCode {
     let outcome = match cli.command {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Repl(args)) => repl::repl(&args),
+        Some(Command::Trace(args)) => trace::trace(&args),
         Some(Command::Scene(args)) => view::scene(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Info(args)) => info::info(&args),

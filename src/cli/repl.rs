@@ -5,7 +5,7 @@ mod line;
 mod picture;
 mod session;
 
-use super::failure::{Failure, warn};
+use super::failure::{Failure, print, warn};
 use super::input::{InputArg, Inputs, MapArg};
 use super::interrupt::{self, CANCEL};
 use super::run::{LimitArgs, set, space};
@@ -67,7 +67,7 @@ pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
     session.set = args.set.iter().map(|text| set(text, args.frame)).collect::<Result<_, _>>()?;
     session.spaces = args.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
     if let Some(program) = &args.program {
-        session.load(program)?;
+        print(&session.load(program)?)?;
     }
     match io::stdin().is_terminal() && io::stdout().is_terminal() {
         true => at_terminal(session),

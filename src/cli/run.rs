@@ -7,11 +7,12 @@ mod profile;
 mod stream;
 
 pub(super) use args::{LimitArgs, RunArgs};
-pub(super) use plan::{set, space};
+pub(super) use plan::{DEFAULT_SCENE, frame, reading, scene, set, space};
 
 use super::failure::{Failure, show, warn};
 use super::interrupt::{self, CANCEL};
 use super::output;
+use super::prints::Shown;
 use super::progress::Bar;
 use super::region::Region;
 use crate::diagnostic::Diagnostic;
@@ -33,6 +34,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     // What is run several times is read once.
     let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving;
     let mut kept: Option<FrameInput> = None;
+    let mut prints = Shown::new(if args.quiet { 0 } else { args.print });
     for &frame in &plan.frames {
         // What cannot be written is said before the work.
         let outputs = plan.outputs(args, frame.number)?;
@@ -43,16 +45,19 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
             None => FrameInput::open(args, &plan, frame.number, keep)?,
         };
         let opened = start.elapsed();
-        let mut outcome = compute(args, &plan, &input, &outputs, frame.value)?;
+        let mut outcome = compute(args, &plan, &input, &outputs, frame.value, prints.wanted())?;
         outcome.stats.read += opened;
         outcome.stats.wall += opened;
         if plan.by_default && first && !args.quiet {
             let scene = plan::DEFAULT_SCENE;
             warn(&format!("no input: this is the scene {scene} (see pse scene --list, or give -i FILE)"));
         }
+        let number = frame.number.filter(|_| plan.frames.len() > 1);
+        prints.frame(&outcome.prints, plan.program.sources(), number);
         tell(args, &plan, &input, &outputs, &outcome)?;
         kept = Some(input);
     }
+    prints.end();
     Ok(())
 }
 
@@ -63,6 +68,7 @@ fn compute(
     input: &FrameInput,
     outputs: &[Output],
     frame: f32,
+    prints: usize,
 ) -> Result<Outcome, Failure> {
     let bar = Bar::new(&plan.name, args.quiet);
     let about = input.about()?;
@@ -94,6 +100,8 @@ fn compute(
         no_optimize: args.no_optimize,
         profile: args.profile,
         limits: args.limits.limits(),
+        prints,
+        print_columns: Some(about.metadata.origin[0]..about.metadata.origin[0] + about.width as i32),
         texture_memory: Some(args.limits.textures()),
         cancel: Some(&CANCEL),
         progress: Some(&progress),

@@ -4,10 +4,12 @@ use super::fault::Fault;
 use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use super::pixelsize;
+use super::print::Prints;
 use super::run::{Failure, Options, TEXTURE_MEMORY};
 use super::samples::is_id;
 use super::shadow::Neighbours;
 use super::spaces;
+use super::tracer::Tracer;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
 use crate::resolve::tree::*;
@@ -52,6 +54,8 @@ pub(super) struct Bound<'r> {
     missing: Option<&'r Missing<'r>>,
     /// As [`Resolved::textures`].
     pub textures: Vec<Arc<Texture>>,
+    /// What runs once a frame printed.
+    pub prints: Prints,
 }
 
 impl Source<'_> {
@@ -154,6 +158,17 @@ pub(super) fn bind<'r>(
     sampled: Option<&'r Image<'r>>,
     options: &'r Options<'r>,
 ) -> Result<Bound<'r>, Failure> {
+    bind_traced(program, image, sampled, options, &mut None)
+}
+
+/// The like, and a tracer looks on.
+pub(super) fn bind_traced<'r>(
+    program: &'r Resolved,
+    image: &'r Image<'r>,
+    sampled: Option<&'r Image<'r>>,
+    options: &'r Options<'r>,
+    tracer: &mut Option<Box<Tracer>>,
+) -> Result<Bound<'r>, Failure> {
     let moved = options.sampling().is_some();
     let seen = sampled.unwrap_or(image);
     let mut bound = Bound {
@@ -164,9 +179,11 @@ pub(super) fn bind<'r>(
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
         missing: options.missing,
         textures: textures(program, options)?,
+        prints: Prints::default(),
     };
     check_set(program, options)?;
-    let values = frame_values(program, image, options, &bound)?;
+    let (values, prints) = frame_values(program, image, options, &bound, tracer)?;
+    bound.prints = prints;
     let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
     let size: Option<Arc<[f32]>> = match options.pixelsize {
         None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(seen).into()),
@@ -299,9 +316,10 @@ fn frame_values(
     image: &Image<'_>,
     options: &Options<'_>,
     bound: &Bound<'_>,
-) -> Result<Vec<Option<PixelValue>>, Failure> {
+    tracer: &mut Option<Box<Tracer>>,
+) -> Result<(Vec<Option<PixelValue>>, Prints), Failure> {
     if program.params.is_empty() && program.frame.is_empty() {
-        return Ok(vec![None; program.globals.len()]);
+        return Ok((vec![None; program.globals.len()], Prints::default()));
     }
     let [columns, rows] = image.resolution();
     let sources = program.globals.iter().map(|global| {
@@ -328,8 +346,15 @@ fn frame_values(
         has: bound.has.clone(),
         missing: bound.missing,
         textures: bound.textures.clone(),
+        prints: Prints::default(),
     };
     let mut machine = Machine::new(program, &frame, options.isa(), options.limits, options.cancel);
+    machine.printer.limit = options.prints;
+    machine.printer.frame = true;
+    if let Some(tracer) = tracer {
+        tracer.frame = true;
+    }
+    machine.trace(tracer.take());
     let mut run = || -> Result<(), Fault> {
         machine.reset(1, true);
         machine.load(Pixels::Run(0, 1));
@@ -347,11 +372,15 @@ fn frame_values(
                     return Err(machine.fault(error, 0));
                 }
             }
-            let value = match options.set_value(&param.name) {
+            let set = options.set_value(&param.name);
+            let value = match set {
                 Some(value) => Value::from(value),
                 None => machine.eval(&param.value, &Mask::All)?,
             };
             machine.store(Place::Global(param.slot), value, &Mask::All)?;
+            if machine.tracer.is_some() {
+                machine.trace_param(param, set.is_some());
+            }
         }
         machine.block(&program.frame, &Mask::All)?;
         Ok(())
@@ -365,7 +394,13 @@ fn frame_values(
             return Err(Failure::Program(vec![Diagnostic::bare("internal", "a frame's run was cut")]));
         }
     }
-    Ok(program
+    *tracer = machine.tracer.take();
+    if let Some(tracer) = tracer {
+        tracer.frame = false;
+    }
+    let mut prints = Prints::default();
+    machine.printer.give(&mut prints);
+    let values = program
         .globals
         .iter()
         .zip(&machine.globals)
@@ -373,7 +408,8 @@ fn frame_values(
             global.framed?;
             slot.value.as_ref().map(|value| value.pixel(0))
         })
-        .collect())
+        .collect();
+    Ok((values, prints))
 }
 
 /// Names that are read and come from nowhere.

@@ -83,6 +83,7 @@ impl<'r> Machine<'r> {
                 .hint("A higher limit can be set (`--max-depth`).");
             return Err(self.fault(error, self.first(mask)));
         }
+        let traced = self.tracer.is_some().then(|| self.trace_call(f, span, &values));
         let base = self.enter(values, function.locals.len(), mask);
         let caller_base = std::mem::replace(&mut self.base, base);
         self.frames.push(Frame { returned: None, lanes: Mask::None, caller_base });
@@ -93,6 +94,9 @@ impl<'r> Machine<'r> {
         self.locals.truncate(base);
         let Some(frame) = self.frames.pop() else { return Ok((None, fell)) };
         self.base = frame.caller_base;
+        if let Some(event) = traced {
+            self.trace_return(event, frame.returned.as_ref());
+        }
         Ok((frame.returned, fell))
     }
 

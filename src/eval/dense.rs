@@ -134,7 +134,7 @@ impl<'r> Machine<'r> {
     pub(super) fn gathered(&self, effects: &Effects, mask: &Mask) -> Option<Gathered> {
         let Mask::Some(_) = mask else { return None };
         // Not worth the count of lanes if even a batch without any would not pay.
-        if effects.leaves || u64::from(effects.work) * self.n as u64 <= SET_UP {
+        if effects.leaves || effects.prints || u64::from(effects.work) * self.n as u64 <= SET_UP {
             return None;
         }
         let lanes = Gathered::of(mask, self.n)?;

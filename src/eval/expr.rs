@@ -25,12 +25,15 @@ impl<'r> Machine<'r> {
     pub fn eval(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {
         // Every nesting, of brackets as of calls, comes through here.
         if stacker::remaining_stack().is_some_and(|left| left < RED_ZONE) {
-            return stacker::grow(GROWTH, || self.eval_here(e, mask));
+            return stacker::grow(GROWTH, || self.eval(e, mask));
+        }
+        if self.tracer.is_some() {
+            return self.eval_traced(e, mask);
         }
         self.eval_here(e, mask)
     }
 
-    fn eval_here(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {
+    pub(super) fn eval_here(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {
         match &e.kind {
             ExprKind::Number(x) => Ok(Value::uniform(*x)),
             ExprKind::Variable(place) => self.read(*place, e.span, mask).cloned(),

@@ -24,20 +24,24 @@ impl<'r> Machine<'r> {
                 rest = &rest[plan.count..];
                 continue;
             }
-            mask = if self.clock.is_some() { self.measured(stmt, &mask)? } else { self.exec(stmt, &mask)? };
+            mask = if self.watched { self.watched(stmt, &mask)? } else { self.exec(stmt, &mask)? };
             rest = after;
         }
         Ok(mask)
     }
 
-    fn measured(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
+    #[cold]
+    fn watched(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
+        if self.tracer.is_some() {
+            return self.traced(stmt, mask);
+        }
         let before = self.begin(stmt.span, mask);
         let through = self.exec(stmt, mask);
         self.done(before);
         through
     }
 
-    fn exec(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
+    pub(super) fn exec(&mut self, stmt: &'r Stmt, mask: &Mask) -> Result<Mask> {
         self.at = stmt.span;
         match &stmt.kind {
             StmtKind::Assign { place, name, path, op, value } => {
@@ -55,6 +59,10 @@ impl<'r> Machine<'r> {
             StmtKind::If(arms, otherwise) => self.branch(arms, otherwise, mask),
             StmtKind::While(condition, body, effects) => self.while_loop(condition, body, effects, mask),
             StmtKind::For(place, vector, body) => self.for_loop(*place, vector, body, mask),
+            StmtKind::Print(parts) => {
+                self.print(stmt.span, parts, mask)?;
+                Ok(mask.clone())
+            }
             StmtKind::Break => {
                 let width = self.width();
                 if let Some(innermost) = self.loops.last_mut() {
@@ -91,6 +99,9 @@ impl<'r> Machine<'r> {
         for (condition, block) in arms {
             let value = self.eval(condition, &open)?;
             let (yes, no) = self.split(&value, condition.span, &open)?;
+            if self.tracer.is_some() {
+                self.trace_branch(condition.span, &value, !yes.is_none());
+            }
             if !yes.is_none() {
                 through = through.or(&self.part(block, &yes)?, width);
             }
@@ -155,6 +166,9 @@ impl<'r> Machine<'r> {
             if yes.is_none() {
                 break;
             }
+            if self.tracer.is_some() {
+                self.trace_round(condition.span, None);
+            }
             (active, left) = self.round(body, &yes, left)?;
         }
         Ok(self.rejoin(left, mask))
@@ -188,6 +202,9 @@ impl<'r> Machine<'r> {
             }
             self.step(&active, vector.span)?;
             self.store(place, elements.element(i), &active)?;
+            if self.tracer.is_some() {
+                self.trace_round(vector.span, Some(place));
+            }
             (active, left) = self.round(body, &active, left)?;
         }
         let through = left.or(&active, width);

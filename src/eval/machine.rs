@@ -5,8 +5,10 @@ use super::fault::{Fault, Result};
 use super::limits::Limits;
 use super::pixels::Batch;
 use super::plan::Plans;
+use super::print::Printer;
 use super::profile::Clock;
 use super::samples::Places;
+use super::tracer::Tracer;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::lanes::Isa;
 use crate::resolve::names;
@@ -101,8 +103,14 @@ pub(super) struct Machine<'r> {
     keeping: bool,
     /// How often steps were counted, to look for a cancellation now and then.
     polls: u32,
+    /// Does somebody look on, the clock or the tracer?
+    pub watched: bool,
     /// Measures statements, if that is wanted.
     pub clock: Option<Box<Clock>>,
+    /// Tells what happens at the batch's one pixel, if that is wanted.
+    pub tracer: Option<Box<Tracer>>,
+    /// Collects what the batch prints.
+    pub printer: Printer,
     /// Shorter ways for some statements; see [`super::plan`].
     pub plans: Plans,
     /// Are such taken?
@@ -144,7 +152,10 @@ impl<'r> Machine<'r> {
             counts: None,
             keeping: false,
             polls: 0,
+            watched: false,
             clock: None,
+            tracer: None,
+            printer: Printer::default(),
             plans: Plans::default(),
             optimize: true,
             outputs: None,
@@ -196,6 +207,7 @@ impl<'r> Machine<'r> {
         self.calls.clear();
         self.steps = 0;
         self.keeping = false;
+        self.printer.reset();
         self.counts = count.then(|| vec![0; n]);
     }
 

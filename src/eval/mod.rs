@@ -18,24 +18,31 @@ mod machine;
 mod ops;
 mod output;
 mod passes;
+mod pixel;
 mod pixels;
 mod pixelsize;
 mod plan;
+mod print;
 mod profile;
 mod run;
 mod samples;
 mod shadow;
 mod spaces;
 mod store;
+mod trace;
+mod tracer;
 mod worker;
 
 pub use bind::Missing;
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
+pub use pixel::{eval_pixel, trace};
+pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};
-pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, eval_pixel, run};
+pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, run};
 pub use samples::{Filter, Places, Resample, Sampling};
 pub(crate) use spaces::{knows_camera, no_eye};
+pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to
 /// spread the cost of a tree's walk, small enough that the planes of a program stay in the cache.

@@ -17,7 +17,7 @@ impl Job<'_> {
         let sized = |name: &str| matches!(name, "pixelsize" | "pixel_freq");
         let reads_size = self.program.globals.iter().any(|g| g.read.is_some() && sized(&g.name));
         let alike = self.options.resample.is_some() && (self.program.derivatives || reads_size);
-        let (mut sums, mut whole) = (Sums::default(), None::<Report>);
+        let (mut sums, mut whole) = (Sums::default(), None::<Box<Report>>);
         let mut wrong: Option<Failure> = None;
         for sample in 0..sampling.count {
             let places = Places::new(sampling, sample, alike);
@@ -35,7 +35,7 @@ impl Job<'_> {
                     sums.add(&report.image, &places);
                     match &mut whole {
                         None => whole = Some(report),
-                        Some(whole) => whole.add(report),
+                        Some(whole) => whole.add(*report),
                     }
                 }
             }

@@ -79,6 +79,7 @@ impl Machine<'_> {
     /// Measures from now on.
     pub fn measure(&mut self) {
         self.clock = Some(Box::default());
+        self.watched = true;
     }
 
     /// It is a statement's turn, in these lanes.

@@ -4,6 +4,7 @@ use super::bind::{Bound, Missing, bind};
 use super::limits::Limits;
 use super::output::{self, Chunk, Misfit, Output};
 use super::pixels::Pixels;
+use super::print::Prints;
 use super::profile::Profile;
 use super::samples::{Places, Resample, Sampling};
 use super::shadow;
@@ -70,6 +71,10 @@ pub struct Options<'o> {
     pub isa: Option<Isa>,
     /// Walk the tree alone, without plans for straight stretches of it. The result is the same, and later there.
     pub no_optimize: bool,
+    /// How many lines of `print` are kept for [`Report::prints`]: those of the first pixels.
+    pub prints: usize,
+    /// The columns of the picture whose pixels print; `None`: all.
+    pub print_columns: Option<Range<i32>>,
     /// What a pixel may use up.
     pub limits: Limits,
     /// Bytes that textures may take, all together; `None`: [`TEXTURE_MEMORY`].
@@ -116,6 +121,10 @@ pub struct Report {
     pub threads: usize,
     /// How long they were at work, on an average.
     pub time: Duration,
+    /// What runs once a frame printed.
+    pub frame_prints: Prints,
+    /// What the pixels printed, in the order of the pixels; with several samples of each, the first one.
+    pub prints: Prints,
     /// What each statement took, if [`Options::profile`] was set.
     pub profile: Option<Profile>,
 }
@@ -164,7 +173,7 @@ impl<'o> Stream<'o> {
         // The shapes that the samples did not show are learnt on the way; each round adds at least one.
         let report = loop {
             match job.samples()? {
-                Attempt::Done(report) => break Some(report),
+                Attempt::Done(report) => break Some(*report),
                 Attempt::Again(misfit) => job.widen(misfit)?,
             }
             if begun {
@@ -177,30 +186,8 @@ impl<'o> Stream<'o> {
     }
 }
 
-/// Runs a program at one pixel: every variable that it assigns, with its value there.
-pub fn eval_pixel(
-    program: &Resolved,
-    image: &Image<'_>,
-    pixel: usize,
-    options: &Options<'_>,
-) -> Result<Vec<(String, PixelValue)>, Failure> {
-    let bound = bind(program, image, None, options)?;
-    let mut worker = Worker::new(program, &bound, options, program.by_normal.is_some());
-    let list = [pixel as u32];
-    match worker.run(Pixels::List(&list), &mut |_, _| Ok(())) {
-        Ok(()) => {}
-        Err(stop) => return Err(stop.failure(&bound)),
-    }
-    bound.sound(program)?;
-    let values = program.globals.iter().zip(&worker.machine.globals);
-    Ok(values
-        .filter(|(global, _)| (global.assigned.is_some() || global.name == "color") && !global.library)
-        .filter_map(|(global, slot)| Some((global.name.clone(), slot.value.as_ref()?.pixel(0))))
-        .collect())
-}
-
 pub(super) enum Attempt {
-    Done(Report),
+    Done(Box<Report>),
     Again(Misfit),
 }
 
@@ -278,6 +265,9 @@ impl<'r> Job<'r> {
     fn worker(&self) -> Worker<'r> {
         let mut worker = Worker::new(self.program, self.bound, self.options, self.by_normal);
         worker.machine.sample = self.places;
+        if self.places.is_some_and(|places| places.sample > 0) {
+            worker.machine.printer.limit = 0;
+        }
         worker.machine.want(self.outputs.iter().filter_map(|output| output.slot).collect());
         worker
     }
@@ -367,10 +357,12 @@ impl<'r> Job<'r> {
         let done = AtomicUsize::new(0);
         let not_finite = AtomicUsize::new(0);
         let profile = Mutex::new(Profile::new());
+        let prints = Mutex::new(Prints::default());
         let busy = Mutex::new(Duration::ZERO);
         let work = || {
             let begin = Instant::now();
             let mut worker = self.worker();
+            let mut printed = Prints::default();
             if self.options.profile {
                 worker.machine.measure();
             }
@@ -382,7 +374,7 @@ impl<'r> Job<'r> {
                 let Some(mut chunk) = next.filter(|chunk| chunk.start < end.load(Ordering::Relaxed)) else {
                     break;
                 };
-                if let Err(stop) = self.chunk(&mut worker, &mut chunk) {
+                if let Err(stop) = self.chunk(&mut worker, &mut chunk, &mut printed) {
                     end.fetch_min(stop.pixel(), Ordering::Relaxed);
                     if let Ok(mut stopped) = stopped.lock()
                         && stopped.as_ref().is_none_or(|s| stop.pixel() < s.pixel())
@@ -398,6 +390,9 @@ impl<'r> Job<'r> {
                     let before = self.places.map_or(0, |p| p.sample as usize) * total;
                     progress(Progress { done: (before + done) / count, total });
                 }
+            }
+            if let Ok(mut all) = prints.lock() {
+                all.add(&printed, self.options.prints);
             }
             if let Ok(mut all) = profile.lock() {
                 for (statement, spent) in worker.machine.profile() {
@@ -420,7 +415,10 @@ impl<'r> Job<'r> {
         let profile = self.options.profile.then(|| profile.into_inner().unwrap_or_else(|e| e.into_inner()));
         let time = busy.into_inner().unwrap_or_else(|e| e.into_inner()) / threads as u32;
         let by_normal = self.by_normal;
-        Ok(Attempt::Done(Report { image, not_finite, by_normal, threads, time, profile }))
+        let prints = prints.into_inner().unwrap_or_else(|e| e.into_inner());
+        let frame_prints = self.bound.prints.clone();
+        let report = Report { image, not_finite, by_normal, threads, time, frame_prints, prints, profile };
+        Ok(Attempt::Done(Box::new(report)))
     }
 
     /// Runs `work` on every thread that was asked for, and says how many those are.
@@ -446,7 +444,7 @@ impl<'r> Job<'r> {
         Ok(threads)
     }
 
-    fn chunk(&self, worker: &mut Worker<'r>, chunk: &mut Chunk<'_>) -> Result<(), Stop> {
+    fn chunk(&self, worker: &mut Worker<'r>, chunk: &mut Chunk<'_>, prints: &mut Prints) -> Result<(), Stop> {
         let lanes = if self.program.derivatives { shadow::LANES } else { 1 };
         let batch = (self.options.batch.unwrap_or(super::BATCH) / lanes).max(1);
         let Chunk { start, len, planes } = chunk;
@@ -458,6 +456,7 @@ impl<'r> Job<'r> {
             }
             let n = batch.min(end - first);
             worker.run(Pixels::Run(first, n), &mut |machine, pixels| {
+                machine.printer.give(prints);
                 output::write(&self.outputs, machine, pixels, start, planes)
             })?;
             first += n;

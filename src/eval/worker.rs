@@ -58,6 +58,8 @@ impl<'r> Worker<'r> {
         if options.no_optimize {
             machine.plain();
         }
+        machine.printer.limit = options.prints;
+        machine.printer.columns = options.print_columns.clone();
         if program.derivatives {
             machine.cast_shadows();
         }
@@ -71,6 +73,9 @@ impl<'r> Worker<'r> {
             clock.start();
         }
         machine.load(pixels);
+        if machine.tracer.is_some() {
+            machine.trace_inputs();
+        }
         let mut mask = Mask::All;
         let mut body = &machine.program.body[..];
         // Statements one after another that shadows have to run, or need not.

@@ -3,7 +3,7 @@
 use super::lower::Resolver;
 use super::scope::Scope;
 use super::tree::{Expr, ExprKind};
-use super::{library, names};
+use super::{library, names, print};
 use crate::builtin::{self, Builtin, Kernel, ParamKind};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::syntax::{self, ast};
@@ -48,6 +48,7 @@ impl Resolver<'_> {
             || self.hosts.contains_key(name)
             || library::find(name).is_some()
             || builtin::find(name).is_some()
+            || name == print::NAME
     }
 
     pub fn call(&mut self, name: &ast::Name, args: &[ast::Argument], span: Span, scope: &mut Scope) -> Expr {
@@ -82,6 +83,8 @@ impl Resolver<'_> {
                 return call;
             }
             self.call_builtin(builtin, args, span, scope)
+        } else if name.text == print::NAME {
+            self.no_print(args, span, scope)
         } else {
             for arg in args {
                 self.expr(&arg.value, scope);
@@ -122,7 +125,8 @@ impl Resolver<'_> {
             .chain(self.hosts.keys())
             .map(String::as_str)
             .chain(library::entries().map(|e| e.name.as_str()))
-            .chain(builtin::all().map(|b| b.name));
+            .chain(builtin::all().map(|b| b.name))
+            .chain([print::NAME]);
         match names::nearest(written, known) {
             Some(near) => error.hint(format!("Did you mean `{near}()`?")),
             None => error.hint(format!("To define it, write `function {written}(…)` and its block below.")),

@@ -17,7 +17,8 @@ const MOST: u32 = 1 << 20;
 pub(super) fn mark(program: &mut Resolved) {
     let reads: Vec<Vec<u32>> = program.functions.iter().map(|f| f.reads.iter().copied().collect()).collect();
     let count = program.functions.len();
-    let mut marker = Marker { reads, work: vec![UNKNOWN; count], shadows: vec![false; count] };
+    let prints = program.functions.iter().map(|f| f.prints).collect();
+    let mut marker = Marker { reads, prints, work: vec![UNKNOWN; count], shadows: vec![false; count] };
     // At least twice, so that most functions are known when a call of them is weighed.
     let mut passes = 0;
     let mut grew = true;
@@ -72,6 +73,8 @@ fn shadowed(body: &[Seen]) -> Vec<bool> {
 struct Marker {
     /// The globals that each function reads.
     reads: Vec<Vec<u32>>,
+    /// Whether a call of each prints.
+    prints: Vec<bool>,
     /// The work of a call of each.
     work: Vec<u32>,
     /// Whether a call of each looks at shadows.
@@ -88,6 +91,7 @@ struct Seen {
     returns: bool,
     /// Derivatives, or look-ups that may take their width from them.
     shadows: bool,
+    prints: bool,
     work: u32,
 }
 
@@ -115,6 +119,7 @@ impl Seen {
         self.breaks |= part.breaks;
         self.returns |= part.returns;
         self.shadows |= part.shadows;
+        self.prints |= part.prints;
         self.add(part.work.saturating_mul(times));
     }
 
@@ -123,6 +128,7 @@ impl Seen {
             reads: self.reads.iter().filter(|place| !self.writes.contains(place)).copied().collect(),
             writes: self.writes.iter().copied().collect(),
             leaves: self.breaks || self.returns,
+            prints: self.prints,
             work: self.work,
         })
     }
@@ -170,6 +176,14 @@ impl Marker {
                     part.breaks = false;
                     seen.include(&part, ROUNDS);
                 }
+                StmtKind::Print(parts) => {
+                    seen.prints = true;
+                    for part in parts {
+                        if let PrintPart::Value(e) = part {
+                            self.expr(e, seen);
+                        }
+                    }
+                }
                 StmtKind::Break | StmtKind::Continue => seen.breaks = true,
             }
         }
@@ -191,6 +205,7 @@ impl Marker {
             ExprKind::Call(f, _) => {
                 self.reads[*f as usize].iter().for_each(|&i| seen.read(Place::Global(i)));
                 seen.shadows |= self.shadows[*f as usize];
+                seen.prints |= self.prints[*f as usize];
                 seen.add(self.work[*f as usize]);
             }
             ExprKind::Builtin(builtin, _) => {

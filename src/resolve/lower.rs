@@ -136,6 +136,7 @@ impl<'a> Resolver<'a> {
             locals: Vec::new(),
             body: Vec::new(),
             reads: BTreeSet::new(),
+            prints: false,
         });
         self.calls.push(BTreeSet::new());
         self.out.functions.len() as u32 - 1
@@ -232,7 +233,9 @@ impl<'a> Resolver<'a> {
         if assigns(self, "color") && self.value.is_none() {
             return;
         }
-        let last = body.iter().rfind(|s| matches!(s.kind, ast::StmtKind::Expr(_)));
+        let valued =
+            |s: &&ast::Stmt| matches!(&s.kind, ast::StmtKind::Expr(e) if self.print_arguments(e).is_none());
+        let last = body.iter().rfind(valued);
         if let Some(last) = last {
             let index = self
                 .out
@@ -334,7 +337,10 @@ impl<'a> Resolver<'a> {
                 let place = self.target(&target.name, scope);
                 StmtKind::Assign { place, name: target.name.span, path, op: *op, value }
             }
-            Written::Expr(e) => StmtKind::Expr(self.expr(e, scope)),
+            Written::Expr(e) => match self.print_arguments(e) {
+                Some(args) => self.print(args, scope),
+                None => StmtKind::Expr(self.expr(e, scope)),
+            },
             Written::If { arms, otherwise } => self.branches(arms, otherwise.as_ref(), scope),
             Written::While(condition, body) => {
                 let condition = self.expr(condition, scope);

@@ -2,6 +2,7 @@
 //! its arguments in order, and what depends on the frame alone is marked.
 
 pub mod names;
+pub mod print;
 pub mod tree;
 
 mod call;
@@ -32,9 +33,9 @@ pub type HostFunctions = HashMap<String, Arc<HostFunction>>;
 pub(crate) use expr::no_variable;
 pub(crate) use texture::unreadable;
 
-/// Is it the name of a built-in function, or of one of the library?
+/// Is it the name of a built-in function, of one of the library, or of `print`?
 pub fn is_standard_function(name: &str) -> bool {
-    crate::builtin::find(name).is_some() || library::find(name).is_some()
+    crate::builtin::find(name).is_some() || library::find(name).is_some() || name == print::NAME
 }
 
 /// Reads and resolves a program called `name`. On failure: every error that could be found, and the texts they

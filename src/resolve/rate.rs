@@ -8,7 +8,7 @@ use super::tree::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Adds to what each function reads what the functions it calls read, until nothing is added.
+/// Adds to what each function reads what the functions it calls read, until nothing is added; and so with printing.
 pub(super) fn close_reads(functions: &mut [Function], calls: &[BTreeSet<u32>]) {
     loop {
         let mut grew = false;
@@ -16,8 +16,10 @@ pub(super) fn close_reads(functions: &mut [Function], calls: &[BTreeSet<u32>]) {
             for &callee in callees {
                 let add: Vec<u32> =
                     functions[callee as usize].reads.difference(&functions[caller].reads).copied().collect();
-                grew |= !add.is_empty();
+                let prints = functions[callee as usize].prints && !functions[caller].prints;
+                grew |= !add.is_empty() || prints;
                 functions[caller].reads.extend(add);
+                functions[caller].prints |= prints;
             }
         }
         if !grew {
@@ -29,8 +31,9 @@ pub(super) fn close_reads(functions: &mut [Function], calls: &[BTreeSet<u32>]) {
 /// Wraps the largest expressions that depend on the frame alone.
 pub(super) fn mark(program: &mut Resolved) {
     let reads: Vec<BTreeSet<u32>> = program.functions.iter().map(|f| f.reads.clone()).collect();
+    let prints: Vec<bool> = program.functions.iter().map(|f| f.prints).collect();
     let frame: Vec<bool> = program.globals.iter().map(Global::is_frame).collect();
-    let mut marker = Marker { reads, frame, kept: 0 };
+    let mut marker = Marker { reads, prints, frame, kept: 0 };
     let mut body = std::mem::take(&mut program.body);
     marker.block(&mut body);
     program.body = body;
@@ -45,6 +48,7 @@ pub(super) fn mark(program: &mut Resolved) {
 
 struct Marker {
     reads: Vec<BTreeSet<u32>>,
+    prints: Vec<bool>,
     frame: Vec<bool>,
     kept: u32,
 }
@@ -80,6 +84,13 @@ impl Marker {
                     self.root(e);
                     self.block(block);
                 }
+                StmtKind::Print(parts) => {
+                    for part in parts {
+                        if let PrintPart::Value(e) = part {
+                            self.root(e);
+                        }
+                    }
+                }
                 StmtKind::Break | StmtKind::Continue => {}
             }
         }
@@ -112,7 +123,8 @@ impl Marker {
             ExprKind::Variable(_) | ExprKind::Host(..) => fast = true,
             ExprKind::Call(f, _) => {
                 own.extend(&self.reads[*f as usize]);
-                fast = own.iter().any(|&i| !self.frame[i as usize]);
+                // Each pixel prints, even if all print the same.
+                fast = self.prints[*f as usize] || own.iter().any(|&i| !self.frame[i as usize]);
             }
             _ => {}
         }

@@ -76,6 +76,8 @@ pub struct Function {
     pub body: Vec<Stmt>,
     /// The globals that it, or a function it calls, reads.
     pub reads: BTreeSet<u32>,
+    /// Does it, or a function it calls, print?
+    pub prints: bool,
 }
 
 /// A `param` declaration.
@@ -135,6 +137,8 @@ pub struct Effects {
     pub writes: Box<[Place]>,
     /// Can a `break`, `continue` or `return` leave them for what is around them?
     pub leaves: bool,
+    /// Does something in them print? Then they need to know which pixel each lane is.
+    pub prints: bool,
     /// How much there is to compute for a pixel: 1 is about an operator on scalars.
     pub work: u32,
 }
@@ -169,6 +173,17 @@ pub enum StmtKind {
     Continue,
     /// `return e`
     Return(Expr),
+    /// `print("x", x)`
+    Print(Vec<PrintPart>),
+}
+
+/// What `print` tells.
+#[derive(Clone, Debug)]
+pub enum PrintPart {
+    /// A text, as it is.
+    Text(String),
+    /// A value.
+    Value(Expr),
 }
 
 /// A step into a vector.

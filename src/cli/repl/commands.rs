@@ -50,7 +50,7 @@ impl Session {
                 self.set.clear();
                 Ok(String::new())
             }
-            "load" => self.load(Path::new(needs("a file")?)).map(|()| String::new()),
+            "load" => self.load(Path::new(needs("a file")?)),
             "save" | "save!" => self.save(rest, name == "save!"),
             "set" => self.set_param(needs("a name and a value: `:set veins 6`")?),
             "time" => self.time(rest),

@@ -4,7 +4,7 @@ use super::super::failure::Failure;
 use super::commands::COMMANDS;
 use super::session::Session;
 use crate::reference::entries;
-use crate::resolve::names;
+use crate::resolve::{names, print};
 use crate::syntax::{Token, is_incomplete, lex};
 use rustyline::completion::{Completer, FilenameCompleter, Pair};
 use rustyline::error::ReadlineError;
@@ -122,6 +122,7 @@ impl Words {
     /// Learns the names of the session.
     fn learn(&mut self, session: &Session) {
         self.known = entries().iter().map(|e| (e.name.clone(), Some(e.signature.clone()))).collect();
+        self.known.insert(print::NAME.to_string(), Some(print::SIGNATURE.to_string()));
         let plain = names::CONSTANTS.iter().map(|c| c.name).chain(names::SYSTEM.iter().map(|s| s.0));
         let images = session.image.variables.iter().map(|v| v.name.as_str());
         let keywords =

@@ -7,6 +7,7 @@ use crate::diagnostic::SourceId;
 use crate::host::Disk;
 use crate::image::{Image, Matrix4, Variable};
 use crate::program::{Compiler, Limits, Program, RunOptions};
+use crate::resolve::tree::{Stmt, StmtKind};
 use crate::syntax::{self, ast};
 use crate::value::PixelValue;
 use std::path::PathBuf;
@@ -14,6 +15,9 @@ use std::time::{Duration, Instant};
 
 /// The variable that has the value of an expression.
 pub(super) const VALUE: &str = "it";
+
+/// Lines of `print` that an entry shows at most.
+const LINES: usize = 10;
 
 /// What a session knows.
 pub(super) struct Session {
@@ -92,7 +96,7 @@ impl Session {
             Piece::Nothing => Ok(String::new()),
             Piece::Expression => {
                 let program = self.compile(&(self.program() + &text))?;
-                self.value(&program)
+                Ok(self.printed(&program)? + &self.value(&program)?)
             }
             Piece::Statements { last_expression, function } => {
                 let mut pieces = self.pieces.clone();
@@ -105,21 +109,24 @@ impl Session {
                 let program = self.compile(&pieces.concat())?;
                 // What goes wrong at the pixel is told now, and leaves the session as it was.
                 self.at_pixel(&program)?;
+                let printed = self.printed(&program)?;
                 self.pieces = pieces;
-                if last_expression { self.value(&program) } else { Ok(String::new()) }
+                if last_expression { Ok(printed + &self.value(&program)?) } else { Ok(printed) }
             }
         }
     }
 
-    /// Takes a program's file for the program so far.
-    pub fn load(&mut self, path: &std::path::Path) -> Result<(), Failure> {
+    /// Takes a program's file for the program so far; gives what it prints.
+    pub fn load(&mut self, path: &std::path::Path) -> Result<String, Failure> {
         let (_, text) = super::super::source::read(path)?;
         let text = format!("{}\n", text.trim_end());
         let program = self.compile(&text)?;
         self.at_pixel(&program)?;
+        self.pieces.clear();
+        let printed = self.printed(&program)?;
         self.pieces = vec![text];
         self.file = Some(path.to_path_buf());
-        Ok(())
+        Ok(printed)
     }
 
     /// Compiles a text.
@@ -133,6 +140,27 @@ impl Session {
         let missing = |name: &str| self.inputs.missing(name);
         let [column, row] = self.pixel;
         Ok(program.eval_pixel_of(&self.image, column, row, &self.options(program, &missing))?)
+    }
+
+    /// What a program prints at the pixel, but for what the program so far prints already.
+    fn printed(&self, program: &Program) -> Result<String, Failure> {
+        let missing = |name: &str| self.inputs.missing(name);
+        let [column, row] = self.pixel;
+        let prints = |program: &Program, lines: usize| {
+            let options = RunOptions { prints: lines, ..self.options(program, &missing) };
+            program.prints_of(&self.image, column, row, &options)
+        };
+        let count = prints(program, 1)?.count as usize;
+        if count == 0 {
+            return Ok(String::new());
+        }
+        let before = prints(&self.compile(&self.program())?, 1)?.count as usize;
+        let lines = prints(program, before + LINES)?.lines;
+        let mut text: String = lines.iter().skip(before).map(|line| format!("{line}\n")).collect();
+        if count > before + LINES {
+            text += &format!("… {} more lines\n", count - before - LINES);
+        }
+        Ok(text)
     }
 
     /// Runs the program on the whole image, for one variable.
@@ -165,6 +193,10 @@ impl Session {
 
     /// The value of the expression at the end: at the pixel, and over the image.
     fn value(&mut self, program: &Program) -> Result<String, Failure> {
+        // `print` gives none.
+        if matches!(program.resolved().body.last(), Some(Stmt { kind: StmtKind::Print(_), .. })) {
+            return Ok(String::new());
+        }
         let values = self.at_pixel(program)?;
         let here = values.into_iter().find(|(name, _)| name == VALUE).map(|(_, value)| value);
         let image = self.run(program, VALUE)?;

@@ -95,6 +95,9 @@ pub(in crate::cli) struct RunArgs {
     /// Other places for another number
     #[arg(long, value_name = "S", default_value_t = 0, requires = "samples", help_heading = "Antialiasing")]
     pub seed: u32,
+    /// Show so many lines of what the program prints, those of the first pixels; 0 shows none
+    #[arg(long, value_name = "N", default_value_t = 10, help_heading = "Output")]
+    pub print: usize,
     /// Let an output replace an input
     #[arg(long, help_heading = "Output")]
     pub force: bool,

@@ -2,6 +2,8 @@
 
 use super::RunArgs;
 use crate::cli::failure::Failure;
+use crate::cli::input::InputArg;
+use crate::cli::view::ViewArgs;
 use crate::cli::{frames, output, source};
 use crate::diagnostic::SourceId;
 use crate::eval::MAX_THREADS;
@@ -14,11 +16,11 @@ use crate::value::PixelValue;
 use std::path::{Path, PathBuf};
 
 /// The scene for who names no image.
-pub(super) const DEFAULT_SCENE: &str = "donut";
+pub(in crate::cli) const DEFAULT_SCENE: &str = "donut";
 
 /// A frame to run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(in crate::cli) struct Frame {
     /// What the program reads as `frame`.
     pub value: f32,
     /// What stands in file names, if frames were asked for.
@@ -100,18 +102,15 @@ impl Plan {
             // Scenes and files use this pool too. It is built once; a second try changes nothing.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.min(MAX_THREADS)).build_global();
         }
-        let sized = reads_size(&program) && args.pixelsize.is_none();
         // Mistakes in what is set are told before any file is read.
         values(args, frames.first().map_or(0.0, |frame| frame.value))?;
-        let near = sized || program.resolved().derivatives || args.sampling().is_some();
-        // What tells which neighbours count, and where they are seen from.
-        let incident = program.inputs().any(|name| name == "I");
-        let looks =
-            [("point", sized || incident), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
+        let sampled = args.sampling().is_some();
+        let (wanted, around) =
+            reading(&program, vars.as_deref().unwrap_or_default(), args.pixelsize.is_some(), sampled);
         Ok(Plan {
-            wanted: wanted(&program, vars.as_deref().unwrap_or_default(), looks),
-            around: if near { 2 } else { 0 },
-            scene: scene(args)?,
+            wanted,
+            around,
+            scene: scene(args.scene.as_deref(), &args.input, &args.view)?,
             by_default: args.scene.is_none() && args.input.is_empty(),
             name,
             program,
@@ -157,22 +156,28 @@ fn frames(args: &RunArgs) -> Result<Vec<Frame>, Failure> {
     if let Some(list) = &args.frames {
         return Ok(list.0.iter().map(|&n| Frame { value: n as f32, number: Some(n) }).collect());
     }
-    let value = args.frame.unwrap_or(0.0);
+    let outputs: Vec<_> = args.output.iter().map(|o| o.to_string_lossy()).collect();
+    let names = args.input.iter().map(|i| i.path.as_str()).chain(outputs.iter().map(|o| &**o));
+    Ok(vec![frame(args.frame, names)?])
+}
+
+/// A frame that was asked for, whose number stands in these names of files.
+pub(in crate::cli) fn frame<'n>(
+    given: Option<f32>,
+    mut names: impl Iterator<Item = &'n str>,
+) -> Result<Frame, Failure> {
+    let value = given.unwrap_or(0.0);
     if !value.is_finite() {
         return Err(Failure::usage(format!("{value} is no frame")));
     }
-    let number = args.frame.filter(|f| f.fract() == 0.0).map(|f| f as i64);
-    let mut names = args.input.iter().map(|i| i.path.clone());
-    let mut outputs = args.output.iter().map(|o| o.to_string_lossy().into_owned());
-    if args.frame.is_some() && number.is_none() {
-        let pattern = |name: &String| frames::has_pattern(name);
-        if let Some(name) = names.find(pattern).or_else(|| outputs.find(pattern)) {
-            return Err(Failure::usage(format!(
-                "{name} has no place for frame {value}, only for whole numbers"
-            )));
-        }
+    let number = given.filter(|f| f.fract() == 0.0).map(|f| f as i64);
+    if given.is_some()
+        && number.is_none()
+        && let Some(name) = names.find(|name| frames::has_pattern(name))
+    {
+        return Err(Failure::usage(format!("{name} has no place for frame {value}, only for whole numbers")));
     }
-    Ok(vec![Frame { value, number }])
+    Ok(Frame { value, number })
 }
 
 /// The names of the files to write.
@@ -185,17 +190,21 @@ fn paths(args: &RunArgs, frames: usize) -> Vec<PathBuf> {
 }
 
 /// The scene to run on, if any.
-fn scene(args: &RunArgs) -> Result<Option<String>, Failure> {
-    if args.scene.is_some() && args.input.iter().any(|i| i.name.is_none()) {
+pub(in crate::cli) fn scene(
+    name: Option<&str>,
+    input: &[InputArg],
+    view: &ViewArgs,
+) -> Result<Option<String>, Failure> {
+    if name.is_some() && input.iter().any(|i| i.name.is_none()) {
         return Err(Failure::usage("--scene and an image without a name are two inputs for one")
             .hint("Leave out one of them, or name the image: -i bg=FILE."));
     }
-    if let Some(name) = &args.scene {
+    if let Some(name) = name {
         crate::scene::find(name)?;
-        return Ok(Some(name.clone()));
+        return Ok(Some(name.into()));
     }
-    if !args.input.is_empty() {
-        return match args.view.is_given() {
+    if !input.is_empty() {
+        return match view.is_given() {
             true => Err(Failure::usage("--size, --eye, --look-at, --fov and --scale need a --scene")
                 .hint("An image has the size and the view that it has.")),
             false => Ok(None),
@@ -214,6 +223,22 @@ fn textures(program: &Program, frame: Option<i64>) -> impl Iterator<Item = PathB
 fn reads_size(program: &Program) -> bool {
     let near = |name: &str| matches!(name, "pixelsize" | "pixel_freq");
     program.resolved().globals.iter().any(|g| g.read.is_some() && near(&g.name))
+}
+
+/// What to read for a program: which variables, and how many pixels about each. `sized`: the size of a pixel is given;
+/// `sampled`: each is sampled at several places.
+pub(in crate::cli) fn reading(
+    program: &Program,
+    vars: &[String],
+    sized: bool,
+    sampled: bool,
+) -> (Vec<String>, usize) {
+    let sizes = reads_size(program) && !sized;
+    let near = sizes || program.resolved().derivatives || sampled;
+    // What tells which neighbours count, and where they are seen from.
+    let incident = program.inputs().any(|name| name == "I");
+    let looks = [("point", sizes || incident), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
+    (wanted(program, vars, looks), if near { 2 } else { 0 })
 }
 
 /// The variables that the program may take from an image.

@@ -6,7 +6,7 @@ use super::plan::{Output, Plan};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::stats::Stats;
-use crate::eval::Profile;
+use crate::eval::{Prints, Profile};
 use crate::image::{Format, Image, Writer};
 use crate::program::{RunOptions, Stream};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 pub(super) struct Outcome {
     pub stats: Stats,
     pub by_normal: bool,
+    /// What was printed, band after band.
+    pub prints: Prints,
     pub profile: Option<Profile>,
 }
 
@@ -168,10 +170,16 @@ impl<'a> Attempt<'a> {
                 let own = |name: &str| shown && name == "color" || assigned(name);
                 report.not_finite = report.image.not_finite(own);
             }
+            let once = outcome.stats.pixels == 0;
             let stats = &mut outcome.stats;
             stats.pixels += pixels;
             stats.not_finite += report.not_finite;
             stats.threads = stats.threads.max(report.threads);
+            // What runs once a frame is run for each band, and prints each time.
+            for prints in once.then_some(&report.frame_prints).into_iter().chain([&report.prints]) {
+                outcome.prints.count += prints.count;
+                outcome.prints.lines.extend(prints.lines.iter().cloned());
+            }
             outcome.by_normal |= report.by_normal;
             match (&mut outcome.profile, report.profile) {
                 (Some(all), Some(more)) => {

@@ -225,7 +225,8 @@ impl<'m, 'r> Builder<'m, 'r> {
                 frame.returned = Some((Cell::number(1.0), value));
                 Ok(Flow::Return)
             }
-            StmtKind::Expr(_) => Err(GiveUp),
+            // A plan has no pixels to tell about.
+            StmtKind::Expr(_) | StmtKind::Print(_) => Err(GiveUp),
         }
     }
 

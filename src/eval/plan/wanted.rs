@@ -74,6 +74,13 @@ impl Reads {
                     self.expr(vector);
                     self.stmts(body);
                 }
+                StmtKind::Print(parts) => {
+                    for part in parts {
+                        if let PrintPart::Value(e) = part {
+                            self.expr(e);
+                        }
+                    }
+                }
                 StmtKind::Break | StmtKind::Continue => {}
             }
         }

@@ -1,0 +1,167 @@
+//! `pse trace`: all that happens at one pixel.
+
+mod json;
+mod text;
+
+use super::failure::{Failure, print, warn};
+use super::input::{InputArg, Inputs, MapArg};
+use super::interrupt::{self, CANCEL};
+use super::run::{DEFAULT_SCENE, LimitArgs, frame, reading, scene, set, space};
+use super::source::{self, ProgramArgs};
+use super::view::ViewArgs;
+use crate::image::Image;
+use crate::program::{Error, RunOptions, TraceOptions};
+use clap::Args;
+use std::io::{self, IsTerminal};
+use std::str::FromStr;
+
+const EXAMPLES: &str = "\
+Examples:
+  pse trace marble.pse --pixel 320,200                   on the built-in donut
+  pse trace marble.pse --pixel 320,200 -i gbuffer.exr --calls
+  pse trace -e 'a = sqrt(-1)' -e 'a * white' --scene vase
+  pse trace marble.pse --pixel 320,200 --json | jq '.[] | select(.event == \"assign\")'
+
+Every value is the one that pse run has there, to the last bit. docs/trace.md tells what the columns and the JSON mean.";
+
+/// What to look at, and where.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct TraceArgs {
+    #[command(flatten)]
+    program: ProgramArgs,
+    /// Column and row of the pixel in the picture, from 0 at the top left; the middle if not given
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pixel: Option<PixelArg>,
+    /// Tell what happens in the functions that are called, too
+    #[arg(long, conflicts_with = "depth")]
+    calls: bool,
+    /// The like, so many calls deep
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    depth: u32,
+    /// Tell so many events; of more, the first half and the last half
+    #[arg(long, value_name = "N", default_value_t = TraceOptions::default().limit)]
+    limit: usize,
+    /// Tell it as JSON, an array of events
+    #[arg(long)]
+    json: bool,
+    /// Set a param (or an input variable) to an expression: veins=6, tint='[1 0 0]'
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+
+    /// An image to run on; - is standard input. With NAME=, its variables are NAME.point, NAME.color, …
+    #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
+    input: Vec<InputArg>,
+    /// A built-in scene to run on, the donut if nothing is given; see pse scene --list
+    #[arg(long, value_name = "NAME", help_heading = "Input")]
+    scene: Option<String>,
+    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
+    #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
+    map: Vec<MapArg>,
+    /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
+    #[arg(long, help_heading = "Input")]
+    raw: bool,
+    /// How far apart pixels lie in the space of point, instead of what point tells
+    #[arg(long, value_name = "SIZE", help_heading = "Input")]
+    pixelsize: Option<f32>,
+    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
+    #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
+    space: Vec<String>,
+    /// The number of the frame
+    #[arg(long, value_name = "N", help_heading = "Input", allow_negative_numbers = true)]
+    frame: Option<f32>,
+    #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// A pixel of the picture.
+#[derive(Clone, Copy, Debug)]
+struct PixelArg([i64; 2]);
+
+impl FromStr for PixelArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<PixelArg, String> {
+        let number = |t: &str| t.trim().parse::<i32>().ok().map(i64::from);
+        let pixel = text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?]));
+        pixel.map(PixelArg).ok_or("a pixel is a column and a row: 320,200".into())
+    }
+}
+
+/// Tells what happens at the pixel.
+pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
+    interrupt::watch(true);
+    if args.program.is_stdin() && args.input.iter().any(|i| i.path == "-") {
+        return Err(Failure::usage("the program and an image cannot both be standard input"));
+    }
+    let names = args.input.iter().map(|i| i.path.as_str());
+    let frame = frame(args.frame, names)?;
+    let (name, text) = args.program.read()?;
+    let program = source::compile(&name, &text, &args.program.path)?;
+    let set = args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?;
+    let spaces = args.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?;
+    let scene = scene(args.scene.as_deref(), &args.input, &args.view)?;
+    let inputs = Inputs::open(&args.input, &args.map, args.raw, frame.number)?;
+    let renderer = scene.as_ref().map(|name| args.view.renderer(name)).transpose()?;
+    let (wanted, around) = reading(&program, &[], args.pixelsize.is_some(), false);
+    let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
+    let [column, row] = place(args.pixel, reader.about())?;
+    let own: Vec<String> = reader.names().filter(|n| !n.contains('.')).map(str::to_string).collect();
+    let known = scene.as_ref().map(|name| format!("The scene {name} has {}.", own.join(", ")));
+    // The rows about it tell derivatives and sizes, as in a run.
+    let rows = row.saturating_sub(around)..(row + around + 1).min(reader.about().height);
+    let top = rows.start;
+    let image = reader.read(rows)?;
+    drop(reader);
+    let missing = |name: &str| match &known {
+        Some(known) if !name.contains('.') => vec![known.clone()],
+        _ => inputs.missing(name),
+    };
+    let options = RunOptions {
+        frame: frame.value,
+        set,
+        pixelsize: args.pixelsize,
+        spaces,
+        limits: args.limits.limits(),
+        texture_memory: Some(args.limits.textures()),
+        cancel: Some(&CANCEL),
+        missing: Some(&missing),
+        ..RunOptions::default()
+    };
+    let depth = if args.calls { u32::MAX } else { args.depth };
+    let wanted = TraceOptions { depth, limit: args.limit };
+    let trace = program.trace(&image, column, row - top, &options, &wanted)?;
+    if args.scene.is_none() && args.input.is_empty() {
+        warn(&format!("no input: this is the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"));
+    }
+    let about = text::About { trace: &trace, program: &program, name: &name, frame: frame.value };
+    if args.json {
+        print(&json::json(&about))?;
+    } else {
+        let color = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
+        print(&text::text(&about, args.limit, color && io::stdout().is_terminal()))?;
+    }
+    match trace.error {
+        None => Ok(()),
+        Some(error) => {
+            let sources = program.sources().clone();
+            Err(Error { diagnostics: vec![error], sources, cancelled: false }.into())
+        }
+    }
+}
+
+/// Column and row of the pixel in what the image holds.
+fn place(pixel: Option<PixelArg>, about: &Image<'_>) -> Result<[usize; 2], Failure> {
+    let (width, height) = (about.width, about.height);
+    let Some(PixelArg([column, row])) = pixel else { return Ok([width / 2, height / 2]) };
+    let [x, y] = about.metadata.origin.map(i64::from);
+    let (inside_x, inside_y) = (column - x, row - y);
+    if !(0..width as i64).contains(&inside_x) || !(0..height as i64).contains(&inside_y) {
+        let last = [x + width as i64 - 1, y + height as i64 - 1];
+        let failure = Failure::usage(format!("there is no pixel {column},{row}"));
+        return Err(failure.hint(format!("They go from {x},{y} to {},{}.", last[0], last[1])));
+    }
+    Ok([inside_x as usize, inside_y as usize])
+}
