@@ -9,10 +9,12 @@ use crate::shape::Shape;
 use crate::value::PixelValue;
 use std::fmt;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use crate::eval::{
-    Failure, Filter, Limits, Options as RunOptions, Prints, Progress, Report, Sampling, Trace, TraceOptions,
+    Failure, Filter, Limits, Options as RunOptions, ParamInfo, Prints, Progress, Report, Sampling, Trace,
+    TraceOptions,
 };
 
 /// A compiled program. It holds no state: share it between threads, and run it as often as you like.
@@ -236,6 +238,55 @@ impl Program {
     ) -> Result<Trace, Error> {
         let pixel = index(image, column, row);
         eval::trace(&self.resolved, image, pixel, options, wanted).map_err(|f| self.error(f))
+    }
+
+    /// Its params: what each is if nothing sets it, and the range that it states. `image` is what the program would
+    /// run on; only its size matters.
+    ///
+    /// ```
+    /// use pse::{Image, Program, RunOptions};
+    /// let program = Program::compile("param veins = 6 in [1 20]\ncolor = white * veins")?;
+    /// let params = program.params(&Image::default(), &RunOptions::default())?;
+    /// assert_eq!(params[0].name, "veins");
+    /// assert_eq!(params[0].range, Some([1.0, 20.0]));
+    /// # Ok::<(), pse::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a param's value cannot be computed.
+    pub fn params(&self, image: &Image<'_>, options: &RunOptions<'_>) -> Result<Vec<ParamInfo>, Error> {
+        eval::params(&self.resolved, image, options).map_err(|f| self.error(f))
+    }
+
+    /// The names of the variables that a run writes if none are asked for.
+    pub fn default_outputs(&self) -> Vec<String> {
+        eval::default_outputs(&self.resolved)
+    }
+
+    /// Takes over the images for look-ups that another program has read already, where both name the same. Their files
+    /// are not looked at again.
+    pub fn share_textures(&self, other: &Program) {
+        for (own, _) in &self.resolved.textures {
+            if let Some((known, _)) = other.resolved.textures.iter().find(|(known, _)| own.same(known)) {
+                own.share(known);
+            }
+        }
+    }
+
+    /// The files on disk that it is made of in a frame: its own, its imports, and the images for look-ups. Texts that
+    /// came from elsewhere are named as their host names them.
+    pub fn files(&self, frame: f32) -> Vec<PathBuf> {
+        let texts = self.resolved.sources.iter().map(|source| source.name.as_str());
+        let texts = texts.filter(|name| !name.starts_with("library/")).map(PathBuf::from);
+        let textures = self.resolved.textures.iter();
+        let images = textures.filter_map(|(source, _)| source.path(frame).ok().flatten());
+        texts.chain(images).collect()
+    }
+
+    /// Does it look up another file in each frame?
+    pub fn has_texture_sequence(&self) -> bool {
+        let textures = &self.resolved.textures;
+        textures.iter().any(|(source, _)| source.path(0.0).ok() != source.path(1.0).ok())
     }
 
     /// The program after names were resolved.

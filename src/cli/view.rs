@@ -1,125 +1,137 @@
-//! Built-in scenes: `pse scene`, and the options that choose a view of one.
+//! `pse view`: a program's picture in the browser, drawn anew at every change of what it is made of.
+
+mod render;
+mod server;
+mod session;
+mod source;
+mod told;
+mod watch;
 
 use super::failure::{Failure, print, warn};
+use super::input::{InputArg, MapArg};
 use super::interrupt;
-use super::output;
-use super::progress::Bar;
-use super::region::bands;
-use crate::image::{WriteOptions, Writer};
-use crate::program::Progress;
-use crate::scene::{self, Options, Renderer, parse_point, parse_size};
+use super::run::{LimitArgs, set, space};
+use super::scene::ViewArgs;
 use clap::Args;
-use std::path::PathBuf;
-use std::sync::atomic::Ordering;
+use server::Server;
+use session::Session;
+use source::Pictures;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// A view of a scene.
-#[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "View of a scene")]
-pub(super) struct ViewArgs {
-    /// Columns and rows of the picture, 640x480 if not given
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    pub size: Option<Size>,
-    /// Where the eye is
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    pub eye: Option<Point>,
-    /// The point in the middle of the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    pub look_at: Option<Point>,
-    /// The vertical angle of the view, in degrees
-    #[arg(long, value_name = "DEGREES")]
-    pub fov: Option<f64>,
-    /// Make the whole scene so much larger, so that noise on it looks finer
-    #[arg(long, value_name = "FACTOR")]
-    pub scale: Option<f64>,
-}
-
-/// Columns and rows.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Size([usize; 2]);
-
-/// A point in space.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Point([f64; 3]);
-
-fn size(text: &str) -> Result<Size, String> {
-    parse_size(text).map(Size).map_err(|e| e.hint())
-}
-
-fn point(text: &str) -> Result<Point, String> {
-    parse_point(text).map(Point).map_err(|e| e.hint())
-}
-
-impl ViewArgs {
-    /// Is anything given that only a scene has?
-    pub fn is_given(&self) -> bool {
-        let ViewArgs { size, eye, look_at, fov, scale } = self;
-        size.is_some() || eye.is_some() || look_at.is_some() || fov.is_some() || scale.is_some()
-    }
-
-    /// The scene of that name in this view.
-    pub fn renderer(&self, name: &str) -> Result<Renderer, Failure> {
-        let default = Options::default();
-        let [width, height] = self.size.map_or([default.width, default.height], |s| s.0);
-        let options = Options {
-            width,
-            height,
-            eye: self.eye.map(|p| p.0),
-            look_at: self.look_at.map(|p| p.0),
-            fov: self.fov,
-            scale: self.scale.unwrap_or(default.scale),
-        };
-        Ok(Renderer::new(name, &options)?)
-    }
-}
-
-/// Which scene, and where to.
+/// What to show.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  pse scene --list\n  pse scene vase -o vase.exr --size 480x640\n  \
-                        pse scene floor -o floor.exr --eye 3,-8,5 --look-at 0,0,0.5 --fov 35\n  \
-                        pse scene ocean -o - | pse run waves.pse -i - -o waves.png")]
-pub(super) struct SceneArgs {
-    /// The scene; without it the scenes are listed
-    name: Option<String>,
-    /// List the scenes
-    #[arg(long, conflicts_with = "name")]
-    list: bool,
-    /// The file to write, NAME.exr if not given; - is standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// Say nothing but errors
-    #[arg(short, long)]
-    quiet: bool,
+#[command(after_help = "Examples:\n  pse view marble.pse --open\n  pse view marble.pse -i gbuffer.exr\n  \
+                  pse view new.pse --scene vase --port 8017\n\n\
+                  It prints an address for the browser, of this machine alone. The picture is drawn anew when the \
+                  program, its imports, its textures or the images change on the disk, by whatever editor; the page has an \
+                  editor of its own. Ctrl-C ends it. docs/view.md tells the rest.")]
+pub(super) struct PreviewArgs {
+    /// The program's file; one that does not exist yet is written at the first save
+    program: PathBuf,
+    /// An image to work on. With NAME=, its variables are NAME.point, NAME.color, …
+    #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
+    pub input: Vec<InputArg>,
+    /// A built-in scene to work on, the donut if nothing is given; see pse scene --list
+    #[arg(long, value_name = "NAME", help_heading = "Input")]
+    pub scene: Option<String>,
+    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
+    #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
+    pub map: Vec<MapArg>,
+    /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
+    #[arg(long, help_heading = "Input")]
+    pub raw: bool,
+    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
+    #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
+    space: Vec<String>,
+    /// The number of the frame to begin with
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        help_heading = "Input"
+    )]
+    frame: f32,
+    /// Set a param to an expression to begin with: veins=6
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Look for imported files and for textures in this folder too
+    #[arg(long, value_name = "DIR")]
+    path: Vec<PathBuf>,
+    /// The port of the page's address; 0 takes one that is free
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    port: u16,
+    /// Open the page in the browser
+    #[arg(long)]
+    open: bool,
     #[command(flatten)]
-    view: ViewArgs,
+    pub view: ViewArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
-/// Writes a scene's G-buffer, or lists the scenes.
-pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
-    let Some(name) = args.name.as_ref().filter(|_| !args.list) else {
-        let width = scene::scenes().iter().map(|s| s.name.len()).max().unwrap_or(0);
-        let lines = scene::scenes().iter().map(|s| format!("{:width$}  {}\n", s.name, s.brief));
-        return print(&lines.collect::<String>());
-    };
-    scene::find(name)?;
-    let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
-    output::check(&path)?;
-    let renderer = args.view.renderer(name)?;
-    let [width, height] = renderer.size();
-    let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
-    let bar = Bar::new(name, args.quiet);
+/// Shows the page until it is interrupted.
+pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
     interrupt::watch(true);
-    for rows in bands(width, 0..height) {
-        let done = rows.end * width;
-        writer.rows(&renderer.rows(rows)?)?;
-        bar.update(Progress { done, total: width * height });
-        if interrupt::CANCEL.load(Ordering::Relaxed) {
-            return Err(Failure::Interrupted);
+    let pictures = Pictures::new(args)?;
+    let mut values = Vec::new();
+    for text in &args.set {
+        let (name, value) = set(text, args.frame)?;
+        let shown = text.split_once('=').map_or("", |(_, value)| value).trim().to_string();
+        values.push((name, shown, value));
+    }
+    let spaces = args.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
+    let text = match program(&args.program)? {
+        Some(text) => text,
+        None => {
+            warn(&format!("{} does not exist yet; it is written at the first save", args.program.display()));
+            String::new()
         }
+    };
+    let options = session::Fixed {
+        file: args.program.clone(),
+        path: args.path.clone(),
+        spaces,
+        limits: args.limits.limits(),
+        texture_memory: args.limits.textures(),
+    };
+    let session = Arc::new(Session::new(options, text, args.frame, values));
+    let server = Server::bind(args.port, Arc::clone(&session))?;
+    let watcher = watch::Watcher::new(Arc::clone(&session));
+    let address = server.address();
+    // The address is what the command gives; the rest is said beside it.
+    print(&format!("{address}\n"))?;
+    if io::stdout().is_terminal() {
+        warn("open this address in a browser; Ctrl-C ends it");
     }
-    writer.finish()?;
-    bar.clear();
-    if !args.quiet {
-        warn(&format!("wrote {} ({width}x{height})", output::shown(&path)));
+    if args.open
+        && let Err(error) = open::that_detached(&address)
+    {
+        warn(&format!("cannot open a browser: {error}"));
     }
+    let drawing = Arc::clone(&session);
+    let drawn = std::thread::Builder::new().name("draw".into()).spawn(move || {
+        render::until_end(&drawing, pictures, watcher);
+    });
+    let drawn = drawn.map_err(|error| Failure::plain(format!("cannot start a thread: {error}")))?;
+    server.serve();
+    session.end();
+    // It ends as soon as its run is cancelled.
+    let _ = drawn.join();
     Ok(())
+}
+
+/// The program's text; `None` if there is no such file yet.
+fn program(path: &Path) -> Result<Option<String>, Failure> {
+    if path.as_os_str() == "-" {
+        return Err(Failure::usage("a program from standard input does not change")
+            .hint("Give a file: pse view marble.pse"));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if !path.exists() && folder.is_none_or(Path::is_dir) {
+        return Ok(None);
+    }
+    super::source::read(path).map(|(_, text)| Some(text))
 }

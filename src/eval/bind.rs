@@ -1,7 +1,7 @@
 //! Binds a program to an image: where the value of each outer variable comes from, and the frame's own run.
 
-use super::fault::Fault;
-use super::machine::{Machine, Slot};
+use super::frame::{self, Frame};
+use super::machine::Slot;
 use super::pixels::Pixels;
 use super::pixelsize;
 use super::print::Prints;
@@ -16,7 +16,7 @@ use crate::resolve::tree::*;
 use crate::resolve::{names, space_of, unreadable};
 use crate::shape::Shape;
 use crate::texture::Texture;
-use crate::value::{Mask, PixelValue, Plane, Value};
+use crate::value::{PixelValue, Plane, Value};
 use std::sync::Arc;
 
 /// Says what is known of a variable that an image does not have, as hints to the user.
@@ -50,8 +50,8 @@ pub(super) struct Bound<'r> {
     pub neighbours: Option<Neighbours>,
     width: usize,
     origin: [i32; 2],
-    has: Vec<String>,
-    missing: Option<&'r Missing<'r>>,
+    pub has: Vec<String>,
+    pub missing: Option<&'r Missing<'r>>,
     /// As [`Resolved::textures`].
     pub textures: Vec<Arc<Texture>>,
     /// What runs once a frame printed.
@@ -182,7 +182,7 @@ pub(super) fn bind_traced<'r>(
         prints: Prints::default(),
     };
     check_set(program, options)?;
-    let (values, prints) = frame_values(program, image, options, &bound, tracer)?;
+    let Frame { values, prints, .. } = frame::run(program, image, options, &bound, tracer)?;
     bound.prints = prints;
     let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
     let size: Option<Arc<[f32]>> = match options.pixelsize {
@@ -263,7 +263,7 @@ impl Bound<'_> {
     }
 }
 
-fn constant_value(constant: &names::Constant) -> PixelValue {
+pub(super) fn constant_value(constant: &names::Constant) -> PixelValue {
     match constant.value {
         [x] => (*x).into(),
         vector => vector.into(),
@@ -308,108 +308,6 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Result<(), Failure> {
         errors.push(error.hint(hint));
     }
     if errors.is_empty() { Ok(()) } else { Err(Failure::Program(errors)) }
-}
-
-/// Runs params and `if begin_frame`: the values of the frame's variables.
-fn frame_values(
-    program: &Resolved,
-    image: &Image<'_>,
-    options: &Options<'_>,
-    bound: &Bound<'_>,
-    tracer: &mut Option<Box<Tracer>>,
-) -> Result<(Vec<Option<PixelValue>>, Prints), Failure> {
-    if program.params.is_empty() && program.frame.is_empty() {
-        return Ok((vec![None; program.globals.len()], Prints::default()));
-    }
-    let [columns, rows] = image.resolution();
-    let sources = program.globals.iter().map(|global| {
-        if let Some(value) = options.set_value(&global.name).filter(|_| !global.library) {
-            return Source::Uniform(value.clone());
-        }
-        if let Some(space) = space_of(&global.name) {
-            return spaces::space(space, image, options).map_or(Source::Nowhere, Source::Uniform);
-        }
-        match (global.name.as_str(), names::constant(&global.name)) {
-            (_, Some(constant)) => Source::Uniform(constant_value(constant)),
-            ("frame", _) => Source::Uniform(options.frame.into()),
-            ("begin_frame", _) => Source::Uniform(1.0.into()),
-            ("resolution", _) => Source::Uniform([columns as f32, rows as f32].into()),
-            ("eye", _) => spaces::eye(image, options).map_or(Source::Nowhere, |e| Source::Uniform(e.into())),
-            _ => Source::Nowhere,
-        }
-    });
-    let frame = Bound {
-        sources: sources.collect(),
-        neighbours: None,
-        width: 1,
-        origin: [0, 0],
-        has: bound.has.clone(),
-        missing: bound.missing,
-        textures: bound.textures.clone(),
-        prints: Prints::default(),
-    };
-    let mut machine = Machine::new(program, &frame, options.isa(), options.limits, options.cancel);
-    machine.printer.limit = options.prints;
-    machine.printer.frame = true;
-    if let Some(tracer) = tracer {
-        tracer.frame = true;
-    }
-    machine.trace(tracer.take());
-    let mut run = || -> Result<(), Fault> {
-        machine.reset(1, true);
-        machine.load(Pixels::Run(0, 1));
-        for param in &program.params {
-            machine.at = param.span;
-            if let Some(range) = &param.range {
-                let value = machine.eval(range, &Mask::All)?;
-                let ends: Vec<f32> = value.lane(0).collect();
-                if value.shape != crate::shape::Shape::Vector(2) || !matches!(ends[..], [a, b] if a < b) {
-                    let message = format!("the range of `{}` is {}", param.name, value.show(0));
-                    let error = Diagnostic::error("param", message, range.span).hint(format!(
-                        "A range is two numbers, the lower one first: `param {} = 1 in [0 10]`.",
-                        param.name
-                    ));
-                    return Err(machine.fault(error, 0));
-                }
-            }
-            let set = options.set_value(&param.name);
-            let value = match set {
-                Some(value) => Value::from(value),
-                None => machine.eval(&param.value, &Mask::All)?,
-            };
-            machine.store(Place::Global(param.slot), value, &Mask::All)?;
-            if machine.tracer.is_some() {
-                machine.trace_param(param, set.is_some());
-            }
-        }
-        machine.block(&program.frame, &Mask::All)?;
-        Ok(())
-    };
-    match run() {
-        Ok(()) => {}
-        Err(Fault::Error(error, _)) => return Err(Failure::Program(vec![*error])),
-        Err(Fault::Cancelled) => return Err(Failure::Cancelled),
-        // One lane is never cut and counts exactly.
-        Err(Fault::Split(_) | Fault::Count(_)) => {
-            return Err(Failure::Program(vec![Diagnostic::bare("internal", "a frame's run was cut")]));
-        }
-    }
-    *tracer = machine.tracer.take();
-    if let Some(tracer) = tracer {
-        tracer.frame = false;
-    }
-    let mut prints = Prints::default();
-    machine.printer.give(&mut prints);
-    let values = program
-        .globals
-        .iter()
-        .zip(&machine.globals)
-        .map(|(global, slot)| {
-            global.framed?;
-            slot.value.as_ref().map(|value| value.pixel(0))
-        })
-        .collect();
-    Ok((values, prints))
 }
 
 /// Names that are read and come from nowhere.

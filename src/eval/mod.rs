@@ -10,6 +10,8 @@ mod dense;
 mod expr;
 mod fault;
 mod flow;
+mod frame;
+mod grid;
 mod host_function;
 mod index;
 mod limits;
@@ -29,19 +31,23 @@ mod samples;
 mod shadow;
 mod spaces;
 mod store;
+mod stream;
 mod trace;
 mod tracer;
 mod worker;
 
 pub use bind::Missing;
+pub use frame::{ParamInfo, params};
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
+pub use output::default_names as default_outputs;
 pub use pixel::{eval_pixel, trace};
 pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};
-pub use run::{Failure, MAX_THREADS, Options, Progress, Report, Stream, TEXTURE_MEMORY, run};
+pub use run::{Failure, MAX_THREADS, Options, Progress, Report, TEXTURE_MEMORY};
 pub use samples::{Filter, Places, Resample, Sampling};
 pub(crate) use spaces::{knows_camera, no_eye};
+pub use stream::{Stream, run};
 pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 
 /// Lanes of a batch, unless [`Options::batch`] says otherwise. Chosen by `benches/batch.rs`: large enough to

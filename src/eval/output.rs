@@ -144,7 +144,7 @@ pub(super) fn not_finite(planes: &[Vec<&mut [f32]>], n: usize) -> usize {
 }
 
 /// Which variables to write: those asked for, or `color` (and `alpha`), or all that the program assigns.
-pub(super) fn default_names(program: &Resolved) -> Vec<String> {
+pub fn default_names(program: &Resolved) -> Vec<String> {
     let assigned: Vec<&str> = program.assigned().collect();
     let color = program.by_normal.is_some() || assigned.contains(&"color");
     if color {
@@ -187,23 +187,18 @@ pub(super) fn missing(program: &Resolved, name: &str) -> Diagnostic {
     error.hint(format!("The program assigns {}.", assigned.join(", ")))
 }
 
-/// A stretch of the image, with the outputs' planes there.
+/// A stretch of the pixels that are run, from the one of this number on, with the outputs' planes there.
 pub(super) struct Chunk<'p> {
     pub start: usize,
     pub len: usize,
     pub planes: Vec<Vec<&'p mut [f32]>>,
 }
 
-/// Cuts the planes of `total` pixels, of which `first` is the first, into stretches of `size`.
-pub(super) fn chunks(
-    planes: &mut [Vec<Vec<f32>>],
-    size: usize,
-    first: usize,
-    total: usize,
-) -> Vec<Chunk<'_>> {
+/// Cuts the planes of `total` pixels into stretches of `size`.
+pub(super) fn chunks(planes: &mut [Vec<Vec<f32>>], size: usize, total: usize) -> Vec<Chunk<'_>> {
     let starts = (0..total).step_by(size);
     let mut chunks: Vec<Chunk<'_>> =
-        starts.map(|at| Chunk { start: first + at, len: size.min(total - at), planes: Vec::new() }).collect();
+        starts.map(|at| Chunk { start: at, len: size.min(total - at), planes: Vec::new() }).collect();
     for output in planes.iter_mut() {
         for chunk in &mut chunks {
             chunk.planes.push(Vec::new());

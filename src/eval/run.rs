@@ -1,6 +1,7 @@
 //! A program on a whole image: batches, threads, and what comes out.
 
-use super::bind::{Bound, Missing, bind};
+use super::bind::{Bound, Missing};
+use super::grid::Grid;
 use super::limits::Limits;
 use super::output::{self, Chunk, Misfit, Output};
 use super::pixels::Pixels;
@@ -67,6 +68,9 @@ pub struct Options<'o> {
     pub threads: Option<usize>,
     /// Lanes of a batch; `None`: [`super::BATCH`]. The result is the same for all.
     pub batch: Option<usize>,
+    /// Run every so many columns and rows alone, for a coarse picture soon: its pixels are those of the whole one. 0 and
+    /// 1: all.
+    pub every: usize,
     /// The instruction set; `None`: the best that this machine has. The result is the same for all.
     pub isa: Option<Isa>,
     /// Walk the tree alone, without plans for straight stretches of it. The result is the same, and later there.
@@ -129,63 +133,6 @@ pub struct Report {
     pub profile: Option<Profile>,
 }
 
-/// Runs a program at every pixel of an image.
-pub fn run(program: &Resolved, image: &Image<'_>, options: &Options<'_>) -> Result<Report, Failure> {
-    let mut stream = Stream::new(program, options);
-    loop {
-        // Nothing is lost by beginning again: these are all rows.
-        if let Some(report) = stream.rows(image, 0..image.height)? {
-            return Ok(report);
-        }
-    }
-}
-
-/// A run over an image that comes a few rows at a time, from the top down.
-pub struct Stream<'o> {
-    program: &'o Resolved,
-    options: &'o Options<'o>,
-    /// For each output its shape, and a pixel that has it; nothing before the first rows.
-    shapes: Vec<(Shape, Option<[i32; 2]>)>,
-}
-
-impl<'o> Stream<'o> {
-    /// Before the first rows.
-    pub fn new(program: &'o Resolved, options: &'o Options<'o>) -> Stream<'o> {
-        Stream { program, options, shapes: Vec::new() }
-    }
-
-    /// Runs the next rows, which `image` holds, perhaps with others about them: programs that read `pixelsize` need
-    /// the rows above and below.
-    ///
-    /// `None`: an output has more components here than in the rows before. They must all be run again, from the first
-    /// on, and will then have as many.
-    pub fn rows(&mut self, image: &Image<'_>, rows: Range<usize>) -> Result<Option<Report>, Failure> {
-        let bound = bind(self.program, image, None, self.options)?;
-        let mut job = Job::new(self.program, &bound, image, rows, self.options)?;
-        let begun = !self.shapes.is_empty();
-        if begun {
-            for (output, (shape, seen)) in job.outputs.iter_mut().zip(&self.shapes) {
-                (output.shape, output.seen) = (shape.clone(), *seen);
-            }
-        } else {
-            job.sample();
-        }
-        // The shapes that the samples did not show are learnt on the way; each round adds at least one.
-        let report = loop {
-            match job.samples()? {
-                Attempt::Done(report) => break Some(*report),
-                Attempt::Again(misfit) => job.widen(misfit)?,
-            }
-            if begun {
-                break None;
-            }
-        };
-        bound.sound(self.program)?;
-        self.shapes = job.outputs.into_iter().map(|o| (o.shape, o.seen)).collect();
-        Ok(report)
-    }
-}
-
 pub(super) enum Attempt {
     Done(Box<Report>),
     Again(Misfit),
@@ -207,7 +154,7 @@ pub(super) struct Job<'r> {
 }
 
 impl<'r> Job<'r> {
-    fn new(
+    pub fn new(
         program: &'r Resolved,
         bound: &'r Bound<'r>,
         image: &'r Image<'r>,
@@ -252,14 +199,14 @@ impl<'r> Job<'r> {
         }
     }
 
-    /// How many pixels are run.
-    fn total(&self) -> usize {
-        self.image.width * self.rows.len()
+    /// Which pixels are run.
+    fn grid(&self) -> Grid {
+        Grid::new(self.image.width, self.rows.clone(), self.options.every)
     }
 
-    /// The first of them.
-    fn start(&self) -> usize {
-        self.image.width * self.rows.start
+    /// How many pixels are run.
+    fn total(&self) -> usize {
+        self.grid().count()
     }
 
     fn worker(&self) -> Worker<'r> {
@@ -273,11 +220,11 @@ impl<'r> Job<'r> {
     }
 
     /// Learns the outputs' shapes from a few pixels. What goes wrong there will go wrong again.
-    fn sample(&mut self) {
+    pub fn sample(&mut self) {
         let total = self.total();
         let mut worker = self.worker();
         for k in 0..SAMPLES.min(total) {
-            let pixel = self.start() + k * (total - 1) / (SAMPLES - 1).max(1);
+            let pixel = self.grid().pixel(k * (total - 1) / (SAMPLES - 1).max(1));
             let mut found: Vec<Option<Shape>> = Vec::new();
             let list = [pixel as u32];
             let outcome = worker.run(Pixels::List(&list), &mut |machine, _| {
@@ -308,7 +255,7 @@ impl<'r> Job<'r> {
     }
 
     /// Makes room for a pixel's shape, or says why there is none.
-    fn widen(&mut self, misfit: Misfit) -> Result<(), Failure> {
+    pub fn widen(&mut self, misfit: Misfit) -> Result<(), Failure> {
         let output = &mut self.outputs[misfit.output];
         let joined = output.join(&misfit.shape).filter(|_| output.color_has(&misfit.shape));
         if let Some(joined) = joined.filter(|j| *j != output.shape) {
@@ -342,7 +289,7 @@ impl<'r> Job<'r> {
     /// Runs the whole image with the shapes known so far.
     pub fn attempt(&self) -> Result<Attempt, Failure> {
         self.check_outputs()?;
-        let total = self.total();
+        let (grid, total) = (self.grid(), self.total());
         let mut planes: Vec<Vec<Vec<f32>>> = self
             .outputs
             .iter()
@@ -351,7 +298,7 @@ impl<'r> Job<'r> {
                 (0..cells).map(|_| vec![0.0; total]).collect()
             })
             .collect();
-        let chunks = Mutex::new(output::chunks(&mut planes, CHUNK, self.start(), total).into_iter());
+        let chunks = Mutex::new(output::chunks(&mut planes, CHUNK, total).into_iter());
         let end = AtomicUsize::new(usize::MAX);
         let stopped: Mutex<Option<Stop>> = Mutex::new(None);
         let done = AtomicUsize::new(0);
@@ -371,7 +318,8 @@ impl<'r> Job<'r> {
                     Ok(mut chunks) => chunks.next(),
                     Err(_) => None,
                 };
-                let Some(mut chunk) = next.filter(|chunk| chunk.start < end.load(Ordering::Relaxed)) else {
+                let Some(mut chunk) = next.filter(|c| grid.pixel(c.start) < end.load(Ordering::Relaxed))
+                else {
                     break;
                 };
                 if let Err(stop) = self.chunk(&mut worker, &mut chunk, &mut printed) {
@@ -447,6 +395,7 @@ impl<'r> Job<'r> {
     fn chunk(&self, worker: &mut Worker<'r>, chunk: &mut Chunk<'_>, prints: &mut Prints) -> Result<(), Stop> {
         let lanes = if self.program.derivatives { shadow::LANES } else { 1 };
         let batch = (self.options.batch.unwrap_or(super::BATCH) / lanes).max(1);
+        let grid = self.grid();
         let Chunk { start, len, planes } = chunk;
         let (start, end) = (*start, *start + *len);
         let mut first = start;
@@ -455,24 +404,38 @@ impl<'r> Job<'r> {
                 return Err(Stop::Cancelled);
             }
             let n = batch.min(end - first);
-            worker.run(Pixels::Run(first, n), &mut |machine, pixels| {
-                machine.printer.give(prints);
-                output::write(&self.outputs, machine, pixels, start, planes)
-            })?;
+            if grid.all() {
+                worker.run(Pixels::Run(grid.pixel(first), n), &mut |machine, pixels| {
+                    machine.printer.give(prints);
+                    output::write(&self.outputs, machine, pixels, grid.pixel(start), planes)
+                })?;
+            } else {
+                let list: Vec<u32> = (first..first + n).map(|number| grid.pixel(number) as u32).collect();
+                worker.run(Pixels::List(&list), &mut |machine, pixels| {
+                    machine.printer.give(prints);
+                    let numbers: Vec<u32> =
+                        (0..pixels.len()).map(|lane| grid.number(pixels.at(lane)) as u32).collect();
+                    let written =
+                        output::write(&self.outputs, machine, Pixels::List(&numbers), start, planes);
+                    written.map_err(|misfit| Misfit { pixel: grid.pixel(misfit.pixel), ..misfit })
+                })?;
+            }
             first += n;
         }
         Ok(())
     }
 
     fn finish(&self, planes: Vec<Vec<Vec<f32>>>) -> Image<'static> {
+        let grid = self.grid();
+        let [width, height] = grid.size();
         let variables = self
             .outputs
             .iter()
             .zip(planes)
             .map(|(output, planes)| {
-                let run = self.start()..self.start() + self.total();
+                let taken = |plane: &[f32]| (0..grid.count()).map(|i| plane[grid.pixel(i)]).collect();
                 let planes = match output.input {
-                    Some(input) => input.planes.iter().map(|p| Cow::Owned(p[run.clone()].to_vec())).collect(),
+                    Some(input) => input.planes.iter().map(|p| Cow::Owned(taken(p))).collect(),
                     None => planes.into_iter().map(Cow::Owned).collect(),
                 };
                 Variable { name: output.name.clone(), shape: output.shape.clone(), planes }
@@ -483,6 +446,6 @@ impl<'r> Job<'r> {
             metadata.resolution = Some(self.image.resolution());
             metadata.origin[1] += self.rows.start as i32;
         }
-        Image { width: self.image.width, height: self.rows.len(), variables, metadata }
+        Image { width, height, variables, metadata }
     }
 }

@@ -35,7 +35,8 @@ impl Resolver<'_> {
         let width = builtin.params.iter().position(|p| p.name == "width");
         if let Some(width) = width.filter(|&i| asked.width.is_none() && !not_given(i)) {
             let error = Diagnostic::error("texture", "this filter knows no width", args[width].span);
-            self.errors.push(error.hint("`filter = \"mip\"` and `filter = \"sat\"` take the mean over a width."));
+            self.errors
+                .push(error.hint("`filter = \"mip\"` and `filter = \"sat\"` take the mean over a width."));
             return None;
         }
         let program = self.sources.get(span.source).name.clone();

@@ -89,6 +89,12 @@ impl Texture {
         self.layout
     }
 
+    /// Is all ready that is needed?
+    fn serves(&self, needs: Needs) -> bool {
+        let single = self.levels[0].width * self.levels[0].height == 1;
+        (!needs.levels || single || self.levels.len() > 1) && (!needs.sums || self.sums.is_some())
+    }
+
     /// Tells whether all that was looked up could be read.
     ///
     /// # Errors

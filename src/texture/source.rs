@@ -68,6 +68,15 @@ impl Source {
         origin && self.channel == other.channel && self.raw == other.raw && self.layout == other.layout
     }
 
+    /// Takes over what another one of the same image has read.
+    pub fn share(&self, other: &Source) {
+        let kept = other.kept.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let texture = kept.filter(|(_, texture)| texture.serves(self.needs));
+        if let Some(texture) = texture {
+            *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(texture);
+        }
+    }
+
     /// Its file in a frame, if it is a file on disk.
     ///
     /// # Errors

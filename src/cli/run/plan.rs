@@ -83,10 +83,13 @@ impl Plan {
             return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
         }
         let patterned = |path: &&PathBuf| frames::has_pattern(&path.to_string_lossy());
-        if let Some(path) = paths.iter().find(patterned).filter(|_| frames.iter().any(|f| f.number.is_none())) {
+        if let Some(path) = paths.iter().find(patterned).filter(|_| frames.iter().any(|f| f.number.is_none()))
+        {
             let shown = output::shown(path);
-            return Err(Failure::usage(format!("{shown} has a place for the frame's number, and none is given"))
-                .hint("Give the frames: --frames 1-24, or --frame 1."));
+            return Err(Failure::usage(format!(
+                "{shown} has a place for the frame's number, and none is given"
+            ))
+            .hint("Give the frames: --frames 1-24, or --frame 1."));
         }
         let (name, text) = args.program.read()?;
         let program = source::compile(&name, &text, &args.program.path)?;

@@ -1,0 +1,125 @@
+//! Built-in scenes: `pse scene`, and the options that choose a view of one.
+
+use super::failure::{Failure, print, warn};
+use super::interrupt;
+use super::output;
+use super::progress::Bar;
+use super::region::bands;
+use crate::image::{WriteOptions, Writer};
+use crate::program::Progress;
+use crate::scene::{self, Options, Renderer, parse_point, parse_size};
+use clap::Args;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+/// A view of a scene.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "View of a scene")]
+pub(super) struct ViewArgs {
+    /// Columns and rows of the picture, 640x480 if not given
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<Size>,
+    /// Where the eye is
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub eye: Option<Point>,
+    /// The point in the middle of the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub look_at: Option<Point>,
+    /// The vertical angle of the view, in degrees
+    #[arg(long, value_name = "DEGREES")]
+    pub fov: Option<f64>,
+    /// Make the whole scene so much larger, so that noise on it looks finer
+    #[arg(long, value_name = "FACTOR")]
+    pub scale: Option<f64>,
+}
+
+/// Columns and rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size([usize; 2]);
+
+/// A point in space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point([f64; 3]);
+
+fn size(text: &str) -> Result<Size, String> {
+    parse_size(text).map(Size).map_err(|e| e.hint())
+}
+
+fn point(text: &str) -> Result<Point, String> {
+    parse_point(text).map(Point).map_err(|e| e.hint())
+}
+
+impl ViewArgs {
+    /// Is anything given that only a scene has?
+    pub fn is_given(&self) -> bool {
+        let ViewArgs { size, eye, look_at, fov, scale } = self;
+        size.is_some() || eye.is_some() || look_at.is_some() || fov.is_some() || scale.is_some()
+    }
+
+    /// The scene of that name in this view.
+    pub fn renderer(&self, name: &str) -> Result<Renderer, Failure> {
+        let default = Options::default();
+        let [width, height] = self.size.map_or([default.width, default.height], |s| s.0);
+        let options = Options {
+            width,
+            height,
+            eye: self.eye.map(|p| p.0),
+            look_at: self.look_at.map(|p| p.0),
+            fov: self.fov,
+            scale: self.scale.unwrap_or(default.scale),
+        };
+        Ok(Renderer::new(name, &options)?)
+    }
+}
+
+/// Which scene, and where to.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pse scene --list\n  pse scene vase -o vase.exr --size 480x640\n  \
+                        pse scene floor -o floor.exr --eye 3,-8,5 --look-at 0,0,0.5 --fov 35\n  \
+                        pse scene ocean -o - | pse run waves.pse -i - -o waves.png")]
+pub(super) struct SceneArgs {
+    /// The scene; without it the scenes are listed
+    name: Option<String>,
+    /// List the scenes
+    #[arg(long, conflicts_with = "name")]
+    list: bool,
+    /// The file to write, NAME.exr if not given; - is standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// Writes a scene's G-buffer, or lists the scenes.
+pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
+    let Some(name) = args.name.as_ref().filter(|_| !args.list) else {
+        let width = scene::scenes().iter().map(|s| s.name.len()).max().unwrap_or(0);
+        let lines = scene::scenes().iter().map(|s| format!("{:width$}  {}\n", s.name, s.brief));
+        return print(&lines.collect::<String>());
+    };
+    scene::find(name)?;
+    let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
+    output::check(&path)?;
+    let renderer = args.view.renderer(name)?;
+    let [width, height] = renderer.size();
+    let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
+    let bar = Bar::new(name, args.quiet);
+    interrupt::watch(true);
+    for rows in bands(width, 0..height) {
+        let done = rows.end * width;
+        writer.rows(&renderer.rows(rows)?)?;
+        bar.update(Progress { done, total: width * height });
+        if interrupt::CANCEL.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted);
+        }
+    }
+    writer.finish()?;
+    bar.clear();
+    if !args.quiet {
+        warn(&format!("wrote {} ({width}x{height})", output::shown(&path)));
+    }
+    Ok(())
+}

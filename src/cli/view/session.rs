@@ -1,0 +1,355 @@
+//! What the preview knows: the text, what is set, and the pictures that came of it. Every page shows the same.
+
+use super::source::Picture;
+use super::told;
+use crate::cli::failure::Failure;
+use crate::cli::run::set;
+use crate::image::{Image, Matrix4, same_file, write_file};
+use crate::program::{Limits, ParamInfo, Program, RunOptions};
+use crate::value::PixelValue;
+use serde_json::Value;
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Pictures that a page may still fetch after newer ones are told.
+const PICTURES: usize = 4;
+
+/// What stays as it is.
+pub(super) struct Fixed {
+    /// The program's file.
+    pub file: PathBuf,
+    /// Folders to look in for imports and textures.
+    pub path: Vec<PathBuf>,
+    /// Where named spaces are.
+    pub spaces: Vec<(String, Matrix4)>,
+    /// What a pixel may use up.
+    pub limits: Limits,
+    /// Bytes that textures may take.
+    pub texture_memory: usize,
+}
+
+/// A picture to fetch.
+pub(super) struct Drawn {
+    /// Its number; newer ones have larger ones.
+    pub id: u64,
+    /// The outputs.
+    pub image: Image<'static>,
+}
+
+/// A program that ran, and on what: enough to look into its pixels.
+pub(super) struct Ran {
+    /// The program.
+    pub program: Arc<Program>,
+    /// What it ran on.
+    pub picture: Picture,
+    /// What it ran with.
+    pub frame: f32,
+    /// Values that were set.
+    pub set: Vec<(String, PixelValue)>,
+}
+
+/// What changes.
+#[derive(Default)]
+pub(super) struct State {
+    /// The text as the pages have it.
+    pub text: String,
+    /// What is in the file, as far as known.
+    pub disk: Option<String>,
+    /// The page that changed the text last.
+    pub from: String,
+    /// Did the file change while a page had changes of its own?
+    pub conflict: bool,
+    /// Params that are set: name, text, value.
+    pub set: Vec<(String, String, PixelValue)>,
+    /// The frame.
+    pub frame: f32,
+    /// Variables to show beside the outputs.
+    pub also: Vec<String>,
+    /// The number of the newest change that asks for a picture.
+    pub version: u64,
+    /// The number of the newest change of files beside the program.
+    pub files: u64,
+    /// The params of the last program that could be run.
+    pub params: Vec<ParamInfo>,
+    /// Variables of the image, and those that the program assigns.
+    pub inputs: Vec<String>,
+    /// What the program assigns.
+    pub assigned: Vec<String>,
+    /// Is there anything that changes from frame to frame?
+    pub animated: bool,
+    /// What is wrong with the text, or went wrong.
+    pub error: Option<Value>,
+    /// What ran last without a fault.
+    pub ran: Option<Arc<Ran>>,
+    /// What pages are told of the last picture.
+    pub picture: Option<Value>,
+    drawn: VecDeque<Arc<Drawn>>,
+    drawings: u64,
+    pages: Vec<Sender<String>>,
+    ended: bool,
+}
+
+/// A preview.
+pub(super) struct Session {
+    /// What stays as it is.
+    pub fixed: Fixed,
+    state: Mutex<State>,
+    changed: Condvar,
+    /// Set when what runs is out of date.
+    pub cancel: AtomicBool,
+}
+
+/// What to draw.
+pub(super) struct Job {
+    pub version: u64,
+    pub files: u64,
+    pub text: String,
+    pub set: Vec<(String, PixelValue)>,
+    pub frame: f32,
+    pub also: Vec<String>,
+}
+
+impl Session {
+    /// A preview of this text.
+    pub fn new(fixed: Fixed, text: String, frame: f32, set: Vec<(String, String, PixelValue)>) -> Session {
+        let disk = Some(text.clone()).filter(|_| fixed.file.exists());
+        let state = State { text, disk, frame, set, version: 1, ..State::default() };
+        Session { fixed, state: Mutex::new(state), changed: Condvar::new(), cancel: AtomicBool::new(false) }
+    }
+
+    /// What messages call the program.
+    pub fn name(&self) -> String {
+        self.fixed.file.display().to_string()
+    }
+
+    /// The state. Whoever held it left it whole: nothing in here is changed in two steps.
+    pub fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Asks for a new picture: what runs is out of date.
+    fn redraw(&self, state: &mut State) {
+        state.version += 1;
+        self.cancel.store(true, Ordering::Relaxed);
+        self.changed.notify_all();
+    }
+
+    /// Ends the drawing and the pages' connections.
+    pub fn end(&self) {
+        let mut state = self.state();
+        state.ended = true;
+        state.pages.clear();
+        self.redraw(&mut state);
+    }
+
+    /// Waits for something newer to draw; `None` at the end.
+    pub fn next(&self, done: u64) -> Option<Job> {
+        let mut state = self.state();
+        while state.version == done && !state.ended {
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        if state.ended {
+            return None;
+        }
+        self.cancel.store(false, Ordering::Relaxed);
+        Some(Job {
+            version: state.version,
+            files: state.files,
+            text: state.text.clone(),
+            set: state.set.iter().map(|(name, _, value)| (name.clone(), value.clone())).collect(),
+            frame: state.frame,
+            also: state.also.clone(),
+        })
+    }
+
+    /// A page that hears what happens from now on, the state and the last picture first.
+    pub fn join(&self) -> Receiver<String> {
+        let (sender, receiver) = channel();
+        let mut state = self.state();
+        // A receiver that was just made is there.
+        let _ = sender.send(told::event("state", &told::state(self, &state)));
+        if let Some(picture) = &state.picture {
+            let _ = sender.send(told::event("picture", picture));
+        }
+        state.pages.push(sender);
+        receiver
+    }
+
+    /// Tells every page that is still there.
+    pub fn tell(&self, state: &mut State, name: &str, value: &Value) {
+        let event = told::event(name, value);
+        state.pages.retain(|page| page.send(event.clone()).is_ok());
+    }
+
+    /// Tells every page the state.
+    pub fn tell_state(&self, state: &mut State) {
+        let told = told::state(self, state);
+        self.tell(state, "state", &told);
+    }
+
+    /// Keeps a picture for the pages to fetch, and gives its number.
+    pub fn keep(&self, state: &mut State, image: Image<'static>) -> Arc<Drawn> {
+        state.drawings += 1;
+        let drawn = Arc::new(Drawn { id: state.drawings, image });
+        state.drawn.push_back(Arc::clone(&drawn));
+        while state.drawn.len() > PICTURES {
+            state.drawn.pop_front();
+        }
+        drawn
+    }
+
+    /// A picture of that number, while it is kept.
+    pub fn drawn(&self, id: u64) -> Option<Arc<Drawn>> {
+        self.state().drawn.iter().find(|drawn| drawn.id == id).cloned()
+    }
+
+    /// A page has another text.
+    pub fn edit(&self, text: String, from: &str) {
+        let mut state = self.state();
+        if state.text != text {
+            (state.text, state.from) = (text, from.to_string());
+            self.redraw(&mut state);
+            self.tell_state(&mut state);
+        }
+    }
+
+    /// Writes the text into the file.
+    pub fn save(&self, text: String, from: &str) -> Result<(), Failure> {
+        self.edit(text, from);
+        let text = self.state().text.clone();
+        write_file(&self.fixed.file, text.as_bytes())?;
+        let mut state = self.state();
+        state.disk = Some(text);
+        state.conflict = false;
+        self.tell_state(&mut state);
+        Ok(())
+    }
+
+    /// Takes the file's text for that of the pages.
+    pub fn take(&self) {
+        let mut state = self.state();
+        if let Some(text) = state.disk.clone() {
+            (state.text, state.from, state.conflict) = (text, String::new(), false);
+            self.redraw(&mut state);
+            self.tell_state(&mut state);
+        }
+    }
+
+    /// The program's file has changed, or something beside it.
+    pub fn files_changed(&self, paths: &[PathBuf]) {
+        let own = |path: &&PathBuf| same_file(path, &self.fixed.file) || **path == self.fixed.file;
+        let text = match paths.iter().find(own) {
+            // In the middle of a save there may be none; the next event tells of it.
+            Some(path) => std::fs::read_to_string(path).ok(),
+            None => None,
+        };
+        let mut state = self.state();
+        if paths.iter().any(|path| !own(&path)) {
+            state.files += 1;
+            self.redraw(&mut state);
+        }
+        let Some(text) = text.filter(|text| state.disk.as_ref() != Some(text)) else { return };
+        let untouched = state.disk.as_ref().is_none_or(|disk| *disk == state.text);
+        state.disk = Some(text.clone());
+        if untouched || state.text == text {
+            state.conflict = false;
+            if state.text != text {
+                (state.text, state.from) = (text, String::new());
+                self.redraw(&mut state);
+            }
+        } else {
+            state.conflict = true;
+        }
+        self.tell_state(&mut state);
+    }
+
+    /// Sets a param to what an expression gives, or lets the program say what it is.
+    pub fn set(&self, name: &str, text: Option<&str>) -> Result<(), Failure> {
+        let frame = self.state().frame;
+        let value = match text {
+            Some(text) => Some((text.trim().to_string(), set(&format!("{name}={text}"), frame)?.1)),
+            None => None,
+        };
+        let mut state = self.state();
+        state.set.retain(|(other, ..)| other != name);
+        if let Some((text, value)) = value {
+            state.set.push((name.to_string(), text, value));
+        }
+        self.redraw(&mut state);
+        self.tell_state(&mut state);
+        Ok(())
+    }
+
+    /// Goes to another frame.
+    pub fn go(&self, frame: f32) -> Result<(), Failure> {
+        if !frame.is_finite() {
+            return Err(Failure::plain(format!("{frame} is no frame")));
+        }
+        let mut state = self.state();
+        state.frame = frame;
+        self.redraw(&mut state);
+        self.tell_state(&mut state);
+        Ok(())
+    }
+
+    /// Shows a variable beside the outputs, or no more.
+    pub fn show(&self, name: &str) {
+        let mut state = self.state();
+        match state.also.iter().position(|other| other == name) {
+            Some(place) => drop(state.also.remove(place)),
+            None => state.also.push(name.to_string()),
+        }
+        self.redraw(&mut state);
+        self.tell_state(&mut state);
+    }
+
+    /// Writes what a param is set to into the program.
+    pub fn write_back(&self, name: &str) -> Result<(), Failure> {
+        let mut state = self.state();
+        let set = state.set.iter().position(|(other, ..)| other == name);
+        let Some(place) = set else {
+            return Err(Failure::plain(format!("{name} is what the program says already")));
+        };
+        let ran = state.ran.clone().filter(|ran| {
+            // Places are those of the text that ran.
+            *ran.program.sources().get(crate::diagnostic::SourceId::default()).text == *state.text
+        });
+        let Some(ran) = ran else {
+            return Err(Failure::plain("the program as it stands has not run yet").hint("Mend it first."));
+        };
+        let param = ran.program.resolved().params.iter().find(|param| param.name == name);
+        let span = param.map(|param| param.value.span).filter(|span| span.source.0 == 0);
+        let Some(span) = span else {
+            return Err(Failure::plain(format!("{name} is not declared in this file")));
+        };
+        let value = state.set[place].1.clone();
+        state.text.replace_range(span.start as usize..span.end as usize, &value);
+        state.from.clear();
+        state.set.remove(place);
+        self.redraw(&mut state);
+        self.tell_state(&mut state);
+        Ok(())
+    }
+
+    /// How programs are run.
+    pub fn options<'a>(
+        &'a self,
+        frame: f32,
+        set: &[(String, PixelValue)],
+        program: &Program,
+    ) -> RunOptions<'a> {
+        // What was set stays so, also while the program has no such param.
+        let has = |name: &str| program.resolved().slot(name).is_some();
+        RunOptions {
+            frame,
+            set: set.iter().filter(|(name, _)| has(name)).cloned().collect(),
+            spaces: self.fixed.spaces.clone(),
+            limits: self.fixed.limits,
+            texture_memory: Some(self.fixed.texture_memory),
+            ..RunOptions::default()
+        }
+    }
+}

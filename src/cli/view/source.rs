@@ -1,0 +1,103 @@
+//! The image that the preview works on: files or a scene, read as far as programs ask for it.
+
+use super::PreviewArgs;
+use crate::cli::failure::Failure;
+use crate::cli::frames::has_pattern;
+use crate::cli::input::{InputArg, Inputs, MapArg};
+use crate::cli::run::{frame, reading, scene};
+use crate::image::Image;
+use crate::program::Program;
+use crate::scene::Renderer;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The images of the preview.
+pub(super) struct Pictures {
+    input: Vec<InputArg>,
+    map: Vec<MapArg>,
+    raw: bool,
+    scene: Option<Renderer>,
+    /// What was read last.
+    kept: Option<Kept>,
+}
+
+struct Kept {
+    /// Which state of the files, and which frame of them.
+    of: (u64, Option<i64>),
+    /// The variables that were asked for.
+    names: Vec<String>,
+    inputs: Arc<Inputs>,
+    image: Arc<Image<'static>>,
+}
+
+/// What a program runs on.
+#[derive(Clone)]
+pub(super) struct Picture {
+    /// The image, with what the program reads of it.
+    pub image: Arc<Image<'static>>,
+    /// The files, to tell what they have.
+    pub inputs: Arc<Inputs>,
+}
+
+impl Pictures {
+    /// What the arguments name.
+    pub fn new(args: &PreviewArgs) -> Result<Pictures, Failure> {
+        let scene = scene(args.scene.as_deref(), &args.input, &args.view)?;
+        let scene = scene.map(|name| args.view.renderer(&name)).transpose()?;
+        Ok(Pictures { input: args.input.clone(), map: args.map.clone(), raw: args.raw, scene, kept: None })
+    }
+
+    /// The files of a frame.
+    pub fn files(&self, number: f32) -> Vec<PathBuf> {
+        let fill = |path: &String| PathBuf::from(crate::cli::frames::fill(path, number as i64));
+        self.input.iter().map(|input| fill(&input.path)).collect()
+    }
+
+    /// Is every frame another image?
+    pub fn animated(&self) -> bool {
+        self.input.iter().any(|input| has_pattern(&input.path))
+    }
+
+    /// All variables that programs can read.
+    pub fn names(&self) -> Vec<String> {
+        let scene = self.scene.iter().flat_map(|scene| scene.names()).map(|name| name.to_string());
+        scene.chain(self.kept.iter().flat_map(|kept| kept.inputs.variables())).collect()
+    }
+
+    /// What a program reads in a frame, and what else is to be shown; `files` is the number of the files' state.
+    pub fn read(
+        &mut self,
+        program: &Program,
+        also: &[String],
+        number: f32,
+        files: u64,
+    ) -> Result<Picture, Failure> {
+        let paths = self.input.iter().map(|input| input.path.as_str());
+        let frame = frame(Some(number), paths)?;
+        let of = (files, frame.number.filter(|_| self.animated()));
+        let (mut wanted, _) = reading(program, also, false, false);
+        if let Some(kept) = self.kept.as_ref().filter(|kept| kept.of == of) {
+            if wanted.iter().all(|name| kept.names.contains(name)) {
+                return Ok(Picture { image: Arc::clone(&kept.image), inputs: Arc::clone(&kept.inputs) });
+            }
+            // What was wanted will be again.
+            wanted
+                .extend(kept.names.iter().filter(|name| !wanted.contains(name)).cloned().collect::<Vec<_>>());
+        }
+        let inputs = Arc::new(Inputs::open(&self.input, &self.map, self.raw, frame.number)?);
+        let mut reader = inputs.reader(self.scene.as_ref(), &wanted)?;
+        let height = reader.about().height;
+        let mut image = reader.read(0..height)?;
+        if image.width == 0 || image.height == 0 {
+            // A program may well read no variable at all.
+            let about = reader.about();
+            image =
+                Image { width: about.width, height, metadata: about.metadata.clone(), ..Image::default() };
+        }
+        drop(reader);
+        let image = Arc::new(image);
+        let picture = Picture { image: Arc::clone(&image), inputs: Arc::clone(&inputs) };
+        self.kept = Some(Kept { of, names: wanted, inputs, image });
+        Ok(picture)
+    }
+}

@@ -1,0 +1,50 @@
+//! The token of the page's address: who does not know it gets nothing. It stays the same for a user, so that a page finds a
+//! server that was started again at the same port.
+
+use crate::cli::failure::Failure;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+/// Bytes of a token.
+const BYTES: usize = 16;
+
+/// The user's token, made at the first time.
+pub(super) fn token() -> Result<String, Failure> {
+    let path = crate::cli::state::folder().map(|folder| folder.join("view-token"));
+    if let Some(token) = path.as_deref().and_then(kept) {
+        return Ok(token);
+    }
+    let mut bytes = [0; BYTES];
+    getrandom::fill(&mut bytes).map_err(|error| Failure::plain(format!("there is no randomness: {error}")))?;
+    let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    if let Some(path) = path {
+        // If it cannot be kept, the next one is another.
+        let _ = keep(&path, &token);
+    }
+    Ok(token)
+}
+
+/// The token in a file that only the user could have written.
+fn kept(path: &Path) -> Option<String> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        if fs::metadata(path).ok()?.permissions().mode() & 0o077 != 0 {
+            return None;
+        }
+    }
+    let token = fs::read_to_string(path).ok()?;
+    let whole = token.len() == 2 * BYTES && token.bytes().all(|b| b.is_ascii_hexdigit());
+    whole.then_some(token)
+}
+
+fn keep(path: &Path, token: &str) -> std::io::Result<()> {
+    // Whatever stands there is no token, or one that others may have read.
+    let _ = fs::remove_file(path);
+    let mut options = fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options.open(path)?.write_all(token.as_bytes())
+}
