@@ -65,6 +65,11 @@ impl Sources {
         self.list.iter().position(|s| s.name == name).map(|i| SourceId(i as u32))
     }
 
+    /// All texts, in the order of their ids.
+    pub fn iter(&self) -> impl Iterator<Item = &Source> {
+        self.list.iter()
+    }
+
     /// The text that `id` names.
     pub fn get(&self, id: SourceId) -> &Source {
         &self.list[id.0 as usize]

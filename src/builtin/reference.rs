@@ -104,6 +104,37 @@ pub fn describe(entry: &Entry) -> String {
     text
 }
 
+/// One function for an editor, in Markdown.
+pub fn card(entry: &Entry) -> String {
+    let mut text = format!("```pse\n{}\n```", entry.signature);
+    for part in [&entry.brief, &unlinked(&entry.doc)] {
+        if !part.is_empty() {
+            let _ = write!(text, "\n\n{part}");
+        }
+    }
+    if !entry.examples.is_empty() {
+        let _ = write!(text, "\n\n```pse\n{}```", examples(entry));
+    }
+    text
+}
+
+/// Markdown whose links within the reference are cut down to their words.
+fn unlinked(markdown: &str) -> String {
+    let mut parts = markdown.split("](#");
+    let mut text = parts.next().unwrap_or("").to_string();
+    for part in parts {
+        let open = text.rfind('[');
+        match (open, part.split_once(')')) {
+            (Some(open), Some((_, rest))) => {
+                text.remove(open);
+                text += rest;
+            }
+            _ => text = text + "](#" + part,
+        }
+    }
+    text
+}
+
 /// Markdown without its marks: emphasis, code, and links cut down to their words.
 fn plain(markdown: &str) -> String {
     let mut text = String::new();
@@ -192,6 +223,15 @@ mod tests {
         let expected = "twice(x)\n\nTwo times x.\n\nIt is x * 2, as everyone knows; see sum, [a b].\n\n    \
                         twice(2)      # 4\n    twice([1 2])  # [2 4]\n";
         assert_eq!(describe(&entry), expected);
+    }
+
+    #[test]
+    fn a_card_has_no_links() {
+        for entry in entries() {
+            let text = card(&entry);
+            assert!(!text.contains("](#") && text.contains(&entry.brief), "{text}");
+        }
+        assert_eq!(unlinked("see [sum](#sum) and [a b](#ab), `[1 2]`"), "see sum and a b, `[1 2]`");
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod frames;
 mod info;
 mod input;
 mod interrupt;
+mod lsp;
 mod noise;
 mod output;
 mod progress;
@@ -67,6 +68,8 @@ enum Command {
     Doc(doc::DocArgs),
     /// Show how a program was understood, as a tree
     Ast(ast::AstArgs),
+    /// Help an editor: a language server on standard input and output
+    Lsp(lsp::LspArgs),
     /// Print the completions for a shell
     Completions(completions::CompletionsArgs),
 }
@@ -83,6 +86,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Fmt(args)) => fmt::fmt(&args),
         Some(Command::Doc(args)) => doc::doc(&args),
         Some(Command::Ast(args)) => ast::ast(&args),
+        Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Completions(args)) => completions::completions(&args),
         None => failure::print(&Cli::command().render_help().to_string()),
     };
