@@ -4,6 +4,8 @@ use super::context::{Context, Place, context};
 use super::describe::about_parameter;
 use super::function::{Function, Takes, all_standard, card};
 use super::{Reading, Role, Symbol, occurrences};
+use crate::diagnostic::SourceId;
+use crate::host::Host;
 use crate::reference;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -56,14 +58,14 @@ fn item(name: &str, kind: Kind, detail: &str, documentation: String) -> Item {
 }
 
 impl Reading {
-    /// What may come at a byte.
-    pub fn complete(&self, offset: usize) -> Completion {
+    /// What may come at a byte. `host` knows the images that a string may name.
+    pub fn complete(&self, offset: usize, host: &dyn Host) -> Completion {
         let around = context(self.text(), offset);
         let mut items = Vec::new();
         match &around.place {
             Place::Nothing | Place::Path => {}
             Place::Else => items.extend(keywords(&["if"])),
-            Place::Text => self.texts(&around, &mut items),
+            Place::Text => self.texts(&around, host, &mut items),
             Place::Member(base) => self.members(base, offset, &mut items),
             Place::Statement => {
                 self.variables(offset, &mut items);
@@ -108,7 +110,7 @@ impl Reading {
     }
 
     /// What may stand in a string.
-    fn texts(&self, around: &Context, items: &mut Vec<Item>) {
+    fn texts(&self, around: &Context, host: &dyn Host, items: &mut Vec<Item>) {
         let Some(call) = &around.call else { return };
         let Some(function) = self.function(&call.name) else { return };
         let takes = function.parameter(call.position, call.named.as_deref()).map(|p| (p, p.takes));
@@ -125,7 +127,10 @@ impl Reading {
                 items.extend(choices);
             }
             Some((_, Takes::Text)) => {
-                items.extend(self.images.iter().map(|name| item(name, Kind::Choice, "image", String::new())));
+                let program = &self.sources.get(SourceId::default()).name;
+                let written = &self.text()[around.word.clone()];
+                let images = host.images(program, written);
+                items.extend(images.iter().map(|name| item(name, Kind::Choice, "image", String::new())));
             }
             _ => {}
         }
@@ -142,6 +147,8 @@ impl Reading {
             // A named image.
             items.extend(inputs());
         }
+        let of_image = self.inputs.iter().filter_map(|name| name.strip_prefix(base)?.strip_prefix('.'));
+        items.extend(of_image.map(|name| item(name, Kind::Input, "input", String::new())));
         for (i, pair) in ["xr", "yg", "zb", "wa"].iter().enumerate() {
             for letter in pair.split("").filter(|l| !l.is_empty()) {
                 items.push(item(letter, Kind::Variable, &format!("element {}", i + 1), String::new()));

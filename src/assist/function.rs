@@ -87,6 +87,10 @@ fn standard(entry: Entry) -> Option<Function> {
         };
     }
     let rest = builtin.params.iter().any(|p| matches!(p.kind, ParamKind::Rest(_)));
+    if let Some(last) = params.last_mut().filter(|_| rest) {
+        // With its `…`.
+        last.place.end = entry.signature.len() - 1;
+    }
     Some(Function { entry, params, rest, origin })
 }
 
@@ -145,6 +149,11 @@ impl Reading {
         let param = function.parameter(call.position, call.named.as_deref()).map(|p| p.name.clone());
         let active = param.and_then(|name| function.params.iter().position(|p| p.name == name));
         Some((function, active))
+    }
+
+    /// Is there a function of that name?
+    pub fn is_function(&self, name: &str) -> bool {
+        self.own_function(name).is_some() || STANDARD.contains_key(name)
     }
 
     /// The functions of the program and its imports.

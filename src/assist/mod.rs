@@ -35,8 +35,6 @@ pub struct Reading {
     pub faulty: bool,
     /// Names that are known beside the program's own: an image's variables.
     pub inputs: Vec<String>,
-    /// Names of images near the program, for completion inside of a string.
-    images: Vec<String>,
 }
 
 impl Reading {
@@ -45,8 +43,7 @@ impl Reading {
         let (mut sources, mut errors) = (Sources::default(), Vec::new());
         let files = gather(name, text, &mut sources, host, &mut errors);
         let occurrences = occurrences::of(&files, text);
-        let images = host.images(name, "");
-        Reading { sources, files, occurrences, faulty: !errors.is_empty(), inputs: Vec::new(), images }
+        Reading { sources, files, occurrences, faulty: !errors.is_empty(), inputs: Vec::new() }
     }
 
     /// The program's text.

@@ -118,18 +118,17 @@ pub fn card(entry: &Entry) -> String {
     text
 }
 
-/// Markdown whose links within the reference are cut down to their words.
+/// Markdown whose links within the documentation are cut down to their words.
 fn unlinked(markdown: &str) -> String {
-    let mut parts = markdown.split("](#");
+    let mut parts = markdown.split("](");
     let mut text = parts.next().unwrap_or("").to_string();
     for part in parts {
-        let open = text.rfind('[');
-        match (open, part.split_once(')')) {
-            (Some(open), Some((_, rest))) => {
+        match (text.rfind('['), part.split_once(')')) {
+            (Some(open), Some((target, rest))) if target.starts_with('#') || target.contains(".md") => {
                 text.remove(open);
                 text += rest;
             }
-            _ => text = text + "](#" + part,
+            _ => text = text + "](" + part,
         }
     }
     text
@@ -231,7 +230,10 @@ mod tests {
             let text = card(&entry);
             assert!(!text.contains("](#") && text.contains(&entry.brief), "{text}");
         }
-        assert_eq!(unlinked("see [sum](#sum) and [a b](#ab), `[1 2]`"), "see sum and a b, `[1 2]`");
+        assert_eq!(
+            unlinked("see [sum](#sum), [a b](a.md), `[1 2]`, [c](d)"),
+            "see sum, a b, `[1 2]`, [c](d)"
+        );
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub(super) fn complete(
     let Some((reading, offset)) = server.documents.at(&asked.text_document.uri, asked.position) else {
         return Ok(None);
     };
-    let found = reading.complete(offset);
+    let found = reading.complete(offset, &server.documents.host());
     let range = server.documents.lines(reading.text()).range(found.word);
     let bracket = reading.text()[offset..].starts_with('(');
     let snippets = server.snippets && !bracket;
