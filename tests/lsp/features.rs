@@ -176,7 +176,7 @@ fn names_lead_to_where_they_come_from() {
     let program = "param scale = 2\nfunction f(x, by = 2)\n    y = x\n    y += 1\n    return y * by\na = f(1, by = 3)\na = a + scale\n";
     let mut to = |place: &str, marked: &str| {
         let answer = editor.at("textDocument/definition", &program.replace(place, marked));
-        (answer != Value::Null).then(|| range(&answer["range"])).unwrap_or_default()
+        if answer == Value::Null { String::new() } else { range(&answer["range"]) }
     };
     assert_eq!(to("a = f(", "a = |f("), "1:9-1:10");
     assert_eq!(to("y * by", "y| * by"), "2:4-2:5");
