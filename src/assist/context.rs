@@ -73,9 +73,14 @@ pub(super) fn name_at(text: &str, offset: usize) -> Option<(String, Range<usize>
     Some((text[found.start..found.end].to_string(), found.start..found.end))
 }
 
+/// A byte where a character begins: this one, or the nearest before it.
+pub(crate) fn boundary(text: &str, offset: usize) -> usize {
+    (0..=offset.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
+}
+
 /// What is around a place.
 pub fn context(text: &str, offset: usize) -> Context {
-    let offset = (0..=offset.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
+    let offset = boundary(text, offset);
     let text = &text[..offset];
     let lexemes = lex(text);
     let last = lexemes.last().copied();

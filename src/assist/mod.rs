@@ -13,6 +13,7 @@ mod outline;
 mod rename;
 
 pub use complete::{Completion, Item, Kind};
+pub(crate) use context::boundary;
 pub use context::{Call, Context, Place};
 pub use describe::Described;
 pub use function::{Function, Origin, Parameter, Takes, card};
@@ -90,7 +91,7 @@ impl Reading {
     /// The function in whose block a byte stands, or would if something were written there.
     fn function_around(&self, offset: usize) -> Option<&ast::Function> {
         let text = self.text();
-        let line = text[..offset.min(text.len())].rfind(['\n', '\r']).map_or(0, |i| i + 1);
+        let line = text[..boundary(text, offset)].rfind(['\n', '\r']).map_or(0, |i| i + 1);
         let last = self.files.body.iter().rfind(|stmt| stmt.span.start as usize <= offset)?;
         match &last.kind {
             StmtKind::Function(f) if last.span.end as usize >= offset => Some(f),

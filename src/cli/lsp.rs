@@ -31,8 +31,10 @@ pub(super) struct LspArgs {
 
 /// Serves until the editor ends it.
 pub(super) fn lsp(args: &LspArgs) -> Result<(), Failure> {
+    // Documents have whole paths, and are compared with what is found here.
+    let path = args.path.iter().map(|folder| std::path::absolute(folder).unwrap_or_else(|_| folder.clone()));
     let (connection, threads) = Connection::stdio();
-    let ended = connection::serve(&connection, args.path.clone());
+    let ended = connection::serve(&connection, path.collect());
     // The thread that writes ends when nobody can send any more.
     drop(connection);
     let joined = threads.join();

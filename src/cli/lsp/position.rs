@@ -1,5 +1,6 @@
 //! Places in a text: lines and columns as editors count them, bytes as the rest of `pse` does.
 
+use crate::assist::boundary;
 use gen_lsp_types::{Position, PositionEncodingKind, Range};
 
 /// How columns are counted.
@@ -76,8 +77,7 @@ impl<'a> Lines<'a> {
 
     /// The position of a byte.
     pub fn position(&self, offset: usize) -> Position {
-        let offset =
-            (0..=offset.min(self.text.len())).rev().find(|&i| self.text.is_char_boundary(i)).unwrap_or(0);
+        let offset = boundary(self.text, offset);
         let line = self.starts.partition_point(|&start| start <= offset) - 1;
         let character = self.encoding.columns(&self.text[self.starts[line]..offset]);
         Position { line: line as u32, character }
