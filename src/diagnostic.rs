@@ -65,7 +65,7 @@ impl Sources {
         self.list.iter().position(|s| s.name == name).map(|i| SourceId(i as u32))
     }
 
-    /// All texts, in the order in which they were added.
+    /// All texts, in the order of their ids.
     pub fn iter(&self) -> impl Iterator<Item = &Source> {
         self.list.iter()
     }

@@ -98,6 +98,26 @@ pub struct Disk {
 }
 
 impl Disk {
+    /// The import's file, the first that `read` has a text of.
+    pub(crate) fn find(
+        &self,
+        importing: &str,
+        path: &str,
+        read: &dyn Fn(&Path) -> std::io::Result<String>,
+    ) -> Result<(String, String), String> {
+        let beside = Path::new(importing).parent().unwrap_or(Path::new(""));
+        let mut tried = Vec::new();
+        for folder in std::iter::once(beside).chain(self.path.iter().map(PathBuf::as_path)) {
+            let file = folder.join(path);
+            match read(&file) {
+                Ok(text) => return Ok((file.display().to_string(), text)),
+                Err(e) if e.kind() == std::io::ErrorKind::NotFound => tried.push(file.display().to_string()),
+                Err(e) => return Err(format!("{}: {e}", file.display())),
+            }
+        }
+        Err(format!("there is no {}", tried.join(" and no ")))
+    }
+
     /// The folders that a program's images lie in.
     fn roots(&self, program: &str) -> Vec<PathBuf> {
         let beside = Path::new(program).parent().unwrap_or(Path::new(""));
@@ -107,7 +127,7 @@ impl Disk {
 
 /// The path without `.` and, as far as folders stand before them, without `..`. Links are not followed: they were
 /// made by who may read more than a program.
-fn clean(path: &Path) -> PathBuf {
+pub(crate) fn clean(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {
         match part {
@@ -151,17 +171,7 @@ fn names_in(folder: &Path) -> Vec<String> {
 
 impl Host for Disk {
     fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
-        let beside = Path::new(importing).parent().unwrap_or(Path::new(""));
-        let mut tried = Vec::new();
-        for folder in std::iter::once(beside).chain(self.path.iter().map(PathBuf::as_path)) {
-            let file = folder.join(path);
-            match std::fs::read_to_string(&file) {
-                Ok(text) => return Ok((file.display().to_string(), text)),
-                Err(e) if e.kind() == std::io::ErrorKind::NotFound => tried.push(file.display().to_string()),
-                Err(e) => return Err(format!("{}: {e}", file.display())),
-            }
-        }
-        Err(format!("there is no {}", tried.join(" and no ")))
+        self.find(importing, path, &|file| std::fs::read_to_string(file))
     }
 
     fn hint(&self) -> Option<String> {

@@ -2,6 +2,7 @@
 
 #![warn(missing_docs)]
 
+pub mod assist;
 pub mod builtin;
 pub mod cli;
 pub mod diagnostic;

@@ -1,4 +1,4 @@
-//! Runs the programs of the documentation: every block marked `pse` in README.md and docs/*.md.
+//! Runs the programs of the documentation: every block marked `pse` in README.md, docs/*.md and editors/README.md.
 //!
 //! - A block runs at every pixel of a small donut, which also has `color`, `alpha`, `flame` and an image called `bg`.
 //! - A comment `#= value` behind an assignment says what its variable holds in the end, at a pixel of the donut.
@@ -28,7 +28,7 @@ fn root() -> &'static Path {
 
 /// The documents that there are.
 fn documents() -> Vec<PathBuf> {
-    let mut list = vec![root().join("README.md")];
+    let mut list = vec![root().join("README.md"), root().join("editors/README.md")];
     for entry in fs::read_dir(root().join("docs")).unwrap() {
         list.push(entry.unwrap().path());
     }

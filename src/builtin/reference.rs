@@ -109,6 +109,36 @@ pub fn paragraph(markdown: &str) -> String {
     wrap(&plain(markdown))
 }
 
+/// One function for an editor, in Markdown.
+pub fn card(entry: &Entry) -> String {
+    let mut text = format!("```pse\n{}\n```", entry.signature);
+    for part in [&entry.brief, &unlinked(&entry.doc)] {
+        if !part.is_empty() {
+            let _ = write!(text, "\n\n{part}");
+        }
+    }
+    if !entry.examples.is_empty() {
+        let _ = write!(text, "\n\n```pse\n{}```", examples(entry));
+    }
+    text
+}
+
+/// Markdown whose links within the documentation are cut down to their words.
+fn unlinked(markdown: &str) -> String {
+    let mut parts = markdown.split("](");
+    let mut text = parts.next().unwrap_or("").to_string();
+    for part in parts {
+        match (text.rfind('['), part.split_once(')')) {
+            (Some(open), Some((target, rest))) if target.starts_with('#') || target.contains(".md") => {
+                text.remove(open);
+                text += rest;
+            }
+            _ => text = text + "](" + part,
+        }
+    }
+    text
+}
+
 /// Markdown without its marks: emphasis, code, and links cut down to their words.
 fn plain(markdown: &str) -> String {
     let mut text = String::new();
@@ -197,6 +227,18 @@ mod tests {
         let expected = "twice(x)\n\nTwo times x.\n\nIt is x * 2, as everyone knows; see sum, [a b].\n\n    \
                         twice(2)      # 4\n    twice([1 2])  # [2 4]\n";
         assert_eq!(describe(&entry), expected);
+    }
+
+    #[test]
+    fn a_card_has_no_links() {
+        for entry in entries() {
+            let text = card(&entry);
+            assert!(!text.contains("](#") && text.contains(&entry.brief), "{text}");
+        }
+        assert_eq!(
+            unlinked("see [sum](#sum), [a b](a.md), `[1 2]`, [c](d)"),
+            "see sum, a b, `[1 2]`, [c](d)"
+        );
     }
 
     #[test]

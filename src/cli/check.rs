@@ -79,8 +79,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(), Failure> {
     let (name, text) = source::read(path)?;
     let program = source::compile(&name, &text, folders)?;
-    let mut diagnostics = inputs(&program, known);
-    diagnostics.extend(misspelt_outputs(&program));
+    let diagnostics = doubts(&program, known);
     if diagnostics.is_empty() {
         return Ok(());
     }
@@ -91,6 +90,18 @@ fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(),
     }
     warn(error.render(style()).trim_end());
     Ok(())
+}
+
+/// What is to be said of a program that could be compiled, if nothing is known of its images.
+pub(super) fn without_images(program: &Program) -> Vec<Diagnostic> {
+    doubts(program, &Known::Usual)
+}
+
+/// What is to be said of a program that could be compiled.
+fn doubts(program: &Program, known: &Known) -> Vec<Diagnostic> {
+    let mut diagnostics = inputs(program, known);
+    diagnostics.extend(misspelt_outputs(program));
+    diagnostics
 }
 
 /// Variables that are assigned and never read, and look like one that is written: `colour`.

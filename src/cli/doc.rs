@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, print};
 use crate::builtin::reference;
-use crate::reference::entries;
+use crate::reference::{entries, names as names_by_group};
 use crate::resolve::{names, print as printing};
 use clap::Args;
 use std::fmt::Write;
@@ -19,22 +19,6 @@ pub(super) struct DocArgs {
     markdown: bool,
 }
 
-/// What G-buffers usually hold, as `names::USUAL_INPUTS` lists it.
-static INPUTS: &[(&str, &str)] = &[
-    ("surface", "the number of the surface that is seen, 0 where there is none"),
-    ("point", "where the surface is, a point in space"),
-    ("normal", "which way the surface faces, a unit vector"),
-    ("uv", "where on the surface, in its own coordinates"),
-    ("depth", "the distance along the view axis"),
-    ("color", "the image's own colour, linear"),
-    ("alpha", "how much of the pixel is covered"),
-    ("albedo", "the surface's colour without light"),
-    ("motion", "how far the surface moves in the picture"),
-    ("I", "the direction from the eye through the pixel"),
-    ("dPdu", "how point changes with the first of uv"),
-    ("dPdv", "how point changes with the second of uv"),
-];
-
 /// The whole reference: `docs/builtins.md`.
 pub fn markdown() -> String {
     let mut text = reference::markdown(&entries());
@@ -46,27 +30,6 @@ pub fn markdown() -> String {
         }
     }
     text
-}
-
-/// The names that are no functions.
-fn names_by_group() -> Vec<(&'static str, Vec<(&'static str, String)>)> {
-    let own = |list: &'static [(&'static str, &'static str)]| {
-        list.iter().map(|(name, brief)| (*name, brief.to_string())).collect()
-    };
-    let constants = names::CONSTANTS.iter().map(|c| (c.name, format!("{}: {}", value(c), c.brief)));
-    vec![
-        ("A statement that is written as a call", vec![(printing::NAME, printing::BRIEF.to_string())]),
-        ("Constants", constants.collect()),
-        ("What every program can read", own(names::SYSTEM)),
-        ("What images usually hold", own(INPUTS)),
-    ]
-}
-
-fn value(constant: &names::Constant) -> String {
-    match constant.value {
-        [x] => format!("{x}"),
-        vector => format!("[{}]", vector.iter().map(f32::to_string).collect::<Vec<_>>().join(" ")),
-    }
 }
 
 /// Prints the explanation, the list, or the whole reference.
@@ -133,15 +96,4 @@ pub(super) fn list() -> String {
 
 fn line(text: &mut String, name: &str, brief: &str) {
     let _ = writeln!(text, "  {name:16}  {brief}");
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_usual_inputs_are_explained() {
-        let explained: Vec<&str> = INPUTS.iter().map(|(n, _)| *n).collect();
-        assert_eq!(explained, names::USUAL_INPUTS);
-    }
 }

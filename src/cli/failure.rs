@@ -46,6 +46,19 @@ impl Failure {
         self
     }
 
+    /// What it says, without colours.
+    pub fn message(&self) -> String {
+        let text = match self {
+            Failure::Program(error) => error.render(Style::PLAIN),
+            Failure::Plain(diagnostic) | Failure::Usage(diagnostic) => {
+                diagnostic.render(&Sources::default(), Style::PLAIN)
+            }
+            Failure::Interrupted => "interrupted".into(),
+            Failure::Said | Failure::BrokenPipe => String::new(),
+        };
+        text.trim_end().to_string()
+    }
+
     /// Says it on standard error.
     pub fn report(self) -> ExitCode {
         match self {

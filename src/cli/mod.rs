@@ -13,6 +13,7 @@ mod frames;
 mod info;
 mod input;
 mod interrupt;
+mod lsp;
 mod noise;
 mod output;
 mod prints;
@@ -20,7 +21,9 @@ mod progress;
 mod region;
 mod repl;
 mod run;
+mod scene;
 mod source;
+mod state;
 mod stats;
 mod trace;
 mod view;
@@ -33,6 +36,7 @@ Examples:
   pse run -e 'white * Noise(8 * point)'        paint the built-in donut, into out.png
   pse run marble.pse -i gbuffer.exr -o a.png   run a program on a renderer's G-buffer
   pse run marble.pse --set veins=6 -o a.exr    set one of its params
+  pse view marble.pse --open                   see it in the browser while you write it
   pse repl --scene vase                        try things out line by line
   pse trace marble.pse --pixel 320,200         what happens at a pixel, step by step
   pse scene --list                             the built-in G-buffers
@@ -54,12 +58,14 @@ pub struct Cli {
 enum Command {
     /// Run a program at every pixel of an image
     Run(Box<run::RunArgs>),
+    /// Show a program's picture in the browser, drawn anew at every change
+    View(Box<view::PreviewArgs>),
     /// Try out the language line by line
     Repl(repl::ReplArgs),
     /// Tell all that happens at one pixel: assignments, branches, calls, and where NaN comes from
     Trace(Box<trace::TraceArgs>),
     /// Write the G-buffer of a built-in scene, or list the scenes
-    Scene(view::SceneArgs),
+    Scene(scene::SceneArgs),
     /// Show the kinds of noise, with their spectra, or tell about them
     Noise(noise::NoiseArgs),
     /// Tell what an image file holds, and what programs call it
@@ -72,6 +78,8 @@ enum Command {
     Doc(doc::DocArgs),
     /// Show how a program was understood, as a tree
     Ast(ast::AstArgs),
+    /// Help an editor: a language server on standard input and output
+    Lsp(lsp::LspArgs),
     /// Print the completions for a shell
     Completions(completions::CompletionsArgs),
 }
@@ -80,15 +88,17 @@ enum Command {
 pub fn run(cli: Cli) -> ExitCode {
     let outcome = match cli.command {
         Some(Command::Run(args)) => run::run(&args),
+        Some(Command::View(args)) => view::view(&args),
         Some(Command::Repl(args)) => repl::repl(&args),
         Some(Command::Trace(args)) => trace::trace(&args),
-        Some(Command::Scene(args)) => view::scene(&args),
+        Some(Command::Scene(args)) => scene::scene(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Info(args)) => info::info(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Fmt(args)) => fmt::fmt(&args),
         Some(Command::Doc(args)) => doc::doc(&args),
         Some(Command::Ast(args)) => ast::ast(&args),
+        Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Completions(args)) => completions::completions(&args),
         None => failure::print(&Cli::command().render_help().to_string()),
     };

@@ -9,7 +9,7 @@ use super::failure::{Failure, print, warn};
 use super::input::{InputArg, Inputs, MapArg};
 use super::interrupt::{self, CANCEL};
 use super::run::{LimitArgs, set, space};
-use super::view::ViewArgs;
+use super::scene::ViewArgs;
 use crate::image::Image;
 use crate::syntax::is_incomplete;
 use clap::Args;

@@ -96,6 +96,7 @@ fn compute(
         outputs: plan.vars.clone(),
         threads: args.threads,
         batch: args.batch,
+        every: 1,
         isa: Some(plan.isa),
         no_optimize: args.no_optimize,
         profile: args.profile,

@@ -7,10 +7,10 @@ use super::failure::{Failure, print, warn};
 use super::input::{InputArg, Inputs, MapArg};
 use super::interrupt::{self, CANCEL};
 use super::run::{DEFAULT_SCENE, LimitArgs, frame, reading, scene, set, space};
+use super::scene::ViewArgs;
 use super::source::{self, ProgramArgs};
-use super::view::ViewArgs;
 use crate::image::Image;
-use crate::program::{Error, RunOptions, TraceOptions};
+use crate::program::{Error, Program, RunOptions, Trace, TraceOptions};
 use clap::Args;
 use std::io::{self, IsTerminal};
 use std::str::FromStr;
@@ -74,6 +74,11 @@ pub(super) struct TraceArgs {
     view: ViewArgs,
     #[command(flatten)]
     limits: LimitArgs,
+}
+
+/// A trace as `--json` prints it.
+pub(super) fn to_json(trace: &Trace, program: &Program, name: &str, frame: f32) -> String {
+    json::json(&text::About { trace, program, name, frame })
 }
 
 /// A pixel of the picture.

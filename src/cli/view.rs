@@ -4,6 +4,7 @@ mod render;
 mod server;
 mod session;
 mod source;
+mod token;
 mod told;
 mod watch;
 

@@ -48,8 +48,8 @@ pub(super) struct Bound<'r> {
     pub sources: Vec<Source<'r>>,
     /// Who has which neighbours, for programs with derivatives and for samples beside the middle.
     pub neighbours: Option<Neighbours>,
-    width: usize,
-    origin: [i32; 2],
+    pub width: usize,
+    pub origin: [i32; 2],
     pub has: Vec<String>,
     pub missing: Option<&'r Missing<'r>>,
     /// As [`Resolved::textures`].

@@ -1,6 +1,6 @@
 //! Gathers a program's files: the program itself and what it imports, each once.
 
-use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::host::Host;
 use crate::syntax::{self, ast};
 
@@ -10,6 +10,19 @@ pub struct Files {
     pub imported: Vec<ast::Stmt>,
     /// The program's own statements, without the imports.
     pub body: Vec<ast::Stmt>,
+    /// The program's own imports.
+    pub imports: Vec<Import>,
+}
+
+/// An `import` of the program itself.
+#[derive(Clone, Debug)]
+pub struct Import {
+    /// As it is written.
+    pub path: String,
+    /// Where the string is.
+    pub span: Span,
+    /// The text that it brought; `None` if there is none.
+    pub file: Option<SourceId>,
 }
 
 /// How many imports may lead from one file to the next.
@@ -28,13 +41,17 @@ pub fn gather(
     errors.extend(parsed.errors);
     let mut gatherer = Gatherer { sources, host, errors, seen: vec![name.to_string()], imported: Vec::new() };
     let mut body = Vec::new();
+    let mut imports = Vec::new();
     for stmt in parsed.module.body {
         match &stmt.kind {
-            ast::StmtKind::Import(path, span) => gatherer.import(name, path, *span, 1),
+            ast::StmtKind::Import(path, span) => {
+                let file = gatherer.import(name, path, *span, 1);
+                imports.push(Import { path: path.clone(), span: *span, file });
+            }
             _ => body.push(stmt),
         }
     }
-    Files { imported: gatherer.imported, body }
+    Files { imported: gatherer.imported, body, imports }
 }
 
 struct Gatherer<'a> {
@@ -46,11 +63,11 @@ struct Gatherer<'a> {
 }
 
 impl Gatherer<'_> {
-    fn import(&mut self, importing: &str, path: &str, span: Span, depth: usize) {
+    fn import(&mut self, importing: &str, path: &str, span: Span, depth: usize) -> Option<SourceId> {
         if depth > DEPTH {
             let message = format!("imports lead through more than {DEPTH} files");
             self.errors.push(Diagnostic::error("import", message, span));
-            return;
+            return None;
         }
         let (name, text) = match self.host.import(importing, path) {
             Ok(found) => found,
@@ -58,11 +75,11 @@ impl Gatherer<'_> {
                 let error =
                     Diagnostic::error("import", format!("cannot import \"{path}\""), span).label(span, why);
                 self.errors.push(self.host.hint().into_iter().fold(error, Diagnostic::hint));
-                return;
+                return None;
             }
         };
         if self.seen.contains(&name) {
-            return;
+            return self.sources.find(&name);
         }
         self.seen.push(name.clone());
         let id = self.sources.add(&name, text.as_str());
@@ -70,10 +87,13 @@ impl Gatherer<'_> {
         self.errors.extend(parsed.errors);
         for stmt in parsed.module.body {
             match &stmt.kind {
-                ast::StmtKind::Import(path, span) => self.import(&name, path, *span, depth + 1),
+                ast::StmtKind::Import(path, span) => {
+                    self.import(&name, path, *span, depth + 1);
+                }
                 ast::StmtKind::Function(_) | ast::StmtKind::Param { .. } => self.imported.push(stmt),
                 _ => {}
             }
         }
+        Some(id)
     }
 }

@@ -1,7 +1,6 @@
 //! The standard library, written in the language itself: `src/library/*.pse`, compiled in.
 //!
-//! A function's documentation is the comment right above it, in a fixed form: a line of what it does, more
-//! lines after an empty `#`, and examples as `#: expression -> value`.
+//! A function's documentation is the comment right above it, in the form of [`Comment`].
 
 use crate::diagnostic::{SourceId, Sources};
 use crate::syntax::{self, ast};
@@ -14,6 +13,8 @@ pub struct Entry {
     pub name: String,
     /// As a call is written.
     pub signature: String,
+    /// Its parameters, with their defaults as they are written.
+    pub params: Vec<(String, Option<String>)>,
     /// What it does, in one line.
     pub brief: String,
     /// More of it, in Markdown.
@@ -82,27 +83,48 @@ pub(super) fn function(entry: &Entry, source: SourceId) -> ast::Function {
 }
 
 fn entry(file: &'static str, text: &str, function: ast::Function) -> Entry {
-    let start = function.name.span.start as usize;
-    let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
-    let mut comment: Vec<&str> =
-        text[..line].lines().rev().take_while(|l| l.starts_with('#')).map(|l| &l[1..]).collect();
-    comment.reverse();
-    let (examples, prose): (Vec<&str>, Vec<&str>) = comment.into_iter().partition(|l| l.starts_with(':'));
-    let prose: Vec<&str> = prose.into_iter().map(|l| l.strip_prefix(' ').unwrap_or(l)).collect();
-    let split = prose.iter().position(|l| l.is_empty()).unwrap_or(prose.len());
-    let examples = examples
-        .into_iter()
-        .filter_map(|l| l[1..].split_once("->"))
-        .map(|(code, gives)| (code.trim().to_string(), gives.trim().to_string()))
-        .collect();
+    let comment = Comment::above(text, function.name.span.start as usize);
     Entry {
         name: function.name.text.clone(),
         signature: syntax::signature(&function, text),
-        brief: prose[..split].join(" "),
-        doc: prose[split..].join("\n").trim().to_string(),
-        examples,
+        params: syntax::parameters(&function, text),
+        brief: comment.brief,
+        doc: comment.doc,
+        examples: comment.examples,
         file,
         function,
+    }
+}
+
+/// What a comment above a definition tells: lines of what it does, after an empty `#` more of it, and examples as
+/// `#: expression -> value`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Comment {
+    /// What it does, in one line.
+    pub brief: String,
+    /// More of it, in Markdown.
+    pub doc: String,
+    /// Expressions, each with an expression of the same value.
+    pub examples: Vec<(String, String)>,
+}
+
+impl Comment {
+    /// The comment right above the line of byte `start`.
+    pub fn above(text: &str, start: usize) -> Comment {
+        let before = text.get(..start).unwrap_or("");
+        let line = before.rfind('\n').map_or(0, |i| i + 1);
+        let mut comment: Vec<&str> =
+            text[..line].lines().rev().take_while(|l| l.starts_with('#')).map(|l| &l[1..]).collect();
+        comment.reverse();
+        let (examples, prose): (Vec<&str>, Vec<&str>) = comment.into_iter().partition(|l| l.starts_with(':'));
+        let prose: Vec<&str> = prose.into_iter().map(|l| l.strip_prefix(' ').unwrap_or(l)).collect();
+        let split = prose.iter().position(|l| l.is_empty()).unwrap_or(prose.len());
+        let examples = examples.into_iter().filter_map(|l| l[1..].split_once("->"));
+        Comment {
+            brief: prose[..split].join(" "),
+            doc: prose[split..].join("\n").trim().to_string(),
+            examples: examples.map(|(a, b)| (a.trim().to_string(), b.trim().to_string())).collect(),
+        }
     }
 }
 

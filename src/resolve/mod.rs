@@ -17,8 +17,10 @@ mod several;
 mod spaces;
 mod texture;
 
-pub use library::{Entry, entries as library_entries};
-pub use spaces::space_of;
+pub use import::{Files, Import, gather};
+pub use library::{Comment, Entry, entries as library_entries};
+pub use scope::assigned;
+pub use spaces::{names_space, space_of};
 pub use tree::Resolved;
 
 use crate::diagnostic::{Diagnostic, Sources};

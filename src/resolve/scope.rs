@@ -21,7 +21,7 @@ pub(super) struct Scope {
 }
 
 /// Calls `f` with every name that the statements assign, in order, with its span; functions' blocks are left out.
-pub(super) fn assigned<'a>(body: &'a [Stmt], f: &mut impl FnMut(&'a crate::syntax::ast::Name)) {
+pub fn assigned<'a>(body: &'a [Stmt], f: &mut impl FnMut(&'a crate::syntax::ast::Name)) {
     for stmt in body {
         match &stmt.kind {
             StmtKind::Assign { target, .. } => f(&target.name),

@@ -14,6 +14,11 @@ const FUNCTIONS: [&str; 3] = ["transform", "vtransform", "ntransform"];
 /// What the outer variable with a space's matrix is called: as no variable of a program can be.
 const PREFIX: &str = "space ";
 
+/// May the first arguments of this function name spaces?
+pub fn names_space(function: &str) -> bool {
+    FUNCTIONS.contains(&function)
+}
+
 /// The space of which this outer variable holds the matrix.
 pub fn space_of(variable: &str) -> Option<&str> {
     variable.strip_prefix(PREFIX)

@@ -39,7 +39,7 @@ pub(super) struct Hit {
 }
 
 /// Something to be seen.
-pub(super) trait Surface: Sync {
+pub(super) trait Surface: Send + Sync {
     /// The first place at a distance over 0 and up to [`FAR`] where the ray enters it.
     fn hit(&self, ray: &Ray) -> Option<Hit>;
 

@@ -28,7 +28,7 @@ pub use layout::MAX_BLOCKS;
 pub use line::{MAX_BRACKETS, MAX_DEPTH};
 pub use parse::{MAX_ERRORS, MAX_TEXT, Parsed, is_incomplete, parse};
 pub use token::{Lexeme, Token, lex};
-pub use walk::{parse_expression, set_source, set_span, signature};
+pub use walk::{parameters, parse_expression, set_source, set_span, signature};
 
 #[cfg(test)]
 mod format_tests;

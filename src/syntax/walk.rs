@@ -14,14 +14,17 @@ pub fn parse_expression(source: SourceId, text: &str) -> Option<Expr> {
     }
 }
 
+/// The function's parameters, with their defaults as they are written. `text` is what its spans point into.
+pub fn parameters(function: &Function, text: &str) -> Vec<(String, Option<String>)> {
+    let written = |e: &Expr| text.get(e.span.start as usize..e.span.end as usize).unwrap_or("…").to_string();
+    function.params.iter().map(|(name, default)| (name.text.clone(), default.as_ref().map(written))).collect()
+}
+
 /// As a call of the function is written: `wave(v, amplitude = 1)`. `text` is what its spans point into.
 pub fn signature(function: &Function, text: &str) -> String {
-    let params = function.params.iter().map(|(name, default)| match default {
-        Some(e) => {
-            let value = text.get(e.span.start as usize..e.span.end as usize).unwrap_or("…");
-            format!("{} = {value}", name.text)
-        }
-        None => name.text.clone(),
+    let params = parameters(function, text).into_iter().map(|(name, default)| match default {
+        Some(value) => format!("{name} = {value}"),
+        None => name,
     });
     format!("{}({})", function.name.text, params.collect::<Vec<_>>().join(", "))
 }

@@ -1,10 +1,11 @@
 //! Lines at a terminal: prompts, history, colours, completion, hints.
 
 use super::super::failure::Failure;
+use super::super::state;
 use super::commands::COMMANDS;
-use super::session::Session;
-use crate::reference::entries;
-use crate::resolve::{names, print};
+use super::session::{NAME, Session};
+use crate::assist::{Item, Kind, Reading};
+use crate::host::Disk;
 use crate::syntax::{Token, is_incomplete, lex};
 use rustyline::completion::{Completer, FilenameCompleter, Pair};
 use rustyline::error::ReadlineError;
@@ -14,7 +15,6 @@ use rustyline::history::FileHistory;
 use rustyline::validate::Validator;
 use rustyline::{Config, Context, Helper};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// What a block's lines begin with.
@@ -96,9 +96,7 @@ fn history() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("PSE_HISTORY") {
         return (!path.is_empty()).then(|| path.into());
     }
-    let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
-    let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/state"));
-    Some(state.filter(|p| p.is_absolute()).or_else(home)?.join("pse/history"))
+    Some(state::folder()?.join("history"))
 }
 
 /// What the next line of a text begins with.
@@ -111,52 +109,33 @@ fn indent(text: &str) -> String {
     if header { own + INDENT } else { own }
 }
 
-/// All names, for completion and hints.
+/// What the session knows, for completion and hints.
 #[derive(Default)]
 struct Words {
-    /// What each is called as, if it is a function.
-    known: BTreeMap<String, Option<String>>,
+    /// The program so far.
+    program: String,
+    /// The names of the images' variables.
+    inputs: Vec<String>,
+    /// Where imports and textures are.
+    host: Disk,
+    /// The program, read.
+    reading: Option<Reading>,
 }
 
 impl Words {
     /// Learns the names of the session.
     fn learn(&mut self, session: &Session) {
-        self.known = entries().iter().map(|e| (e.name.clone(), Some(e.signature.clone()))).collect();
-        self.known.insert(print::NAME.to_string(), Some(print::SIGNATURE.to_string()));
-        let plain = names::CONSTANTS.iter().map(|c| c.name).chain(names::SYSTEM.iter().map(|s| s.0));
-        let images = session.image.variables.iter().map(|v| v.name.as_str());
-        let keywords =
-            ["if", "else", "while", "for", "break", "continue", "function", "return", "param", "import"];
-        let words: Vec<&str> = plain.chain(images).chain(keywords).collect();
-        self.known.extend(words.into_iter().map(|name| (name.to_string(), None)));
-        for line in session.program().lines() {
-            for lexeme in lex(line).iter().filter(|l| l.token == Token::Name) {
-                self.known.entry(line[lexeme.start..lexeme.end].to_string()).or_insert(None);
-            }
-            if let Some(signature) = line.strip_prefix("function ")
-                && let Some((name, _)) = signature.split_once('(')
-            {
-                self.known.insert(name.trim().to_string(), Some(signature.to_string()));
-            }
-        }
+        self.program = session.program();
+        self.inputs = session.image.variables.iter().map(|v| v.name.clone()).collect();
+        self.host = session.host();
+        self.reading = Some(self.read(""));
     }
 
-    /// The call around the end of a line: the signature of the innermost one that is open.
-    fn call(&self, line: &str) -> Option<&str> {
-        let mut open: Vec<Option<&str>> = Vec::new();
-        let lexemes = lex(line);
-        let mut before: Option<&str> = None;
-        for lexeme in &lexemes {
-            let text = &line[lexeme.start..lexeme.end];
-            match text {
-                "(" => open.push(before),
-                "[" => open.push(None),
-                ")" | "]" => drop(open.pop()),
-                _ => {}
-            }
-            before = (lexeme.token == Token::Name).then_some(text);
-        }
-        self.known.get(open.last().copied().flatten()?)?.as_deref()
+    /// The program with this line at its end.
+    fn read(&self, line: &str) -> Reading {
+        let mut reading = Reading::new(NAME, &format!("{}{line}", self.program), &self.host);
+        reading.inputs.clone_from(&self.inputs);
+        reading
     }
 }
 
@@ -168,22 +147,22 @@ impl Completer for Words {
         if before.starts_with(":load ") || before.starts_with(":save ") {
             return FilenameCompleter::new().complete(line, pos, ctx);
         }
-        let part = |c: char| !(c.is_alphanumeric() || "_.:".contains(c));
-        let start =
-            before.rfind(part).map_or(0, |i| i + before[i..].chars().next().map_or(1, char::len_utf8));
-        let word = &before[start..];
         let pair = |name: &str, display: String| Pair { display, replacement: name.to_string() };
-        if let Some(command) = word.strip_prefix(':').filter(|_| start == 0) {
+        if let Some(command) = before.strip_prefix(':').filter(|c| !c.contains(' ')) {
             let fitting = COMMANDS.iter().filter(|c| c.0.starts_with(command));
-            return Ok((
-                0,
-                fitting.map(|c| pair(&format!(":{}", c.0), format!(":{} {}", c.0, c.1))).collect(),
-            ));
+            let pairs = fitting.map(|c| pair(&format!(":{}", c.0), format!(":{} {}", c.0, c.1)));
+            return Ok((0, pairs.collect()));
         }
-        let fitting = self.known.iter().filter(|(name, _)| !word.is_empty() && name.starts_with(word));
-        let candidates = fitting.map(|(name, call)| match call {
-            Some(call) => pair(&format!("{name}("), call.clone()),
-            None => pair(name, name.clone()),
+        let found = self.read(line).complete(self.program.len() + pos, &self.host);
+        let start = found.word.start - self.program.len();
+        let word = &before[start..];
+        // Without a beginning everything fits; what a string may be is little enough to show.
+        let all = |item: &Item| !word.is_empty() || item.kind == Kind::Choice;
+        let fitting = found.items.iter().filter(|item| all(item) && item.name.starts_with(word));
+        let candidates = fitting.map(|item| match item.kind {
+            Kind::Function => pair(&format!("{}(", item.name), item.detail.clone()),
+            Kind::Argument => pair(&format!("{} = ", item.name), item.detail.clone()),
+            _ => pair(&item.name, item.name.clone()),
         });
         Ok((start, candidates.collect()))
     }
@@ -193,10 +172,12 @@ impl Hinter for Words {
     type Hint = String;
 
     fn hint(&self, line: &str, pos: usize, _: &Context<'_>) -> Option<String> {
-        if pos < line.len() {
+        // What there is to call is asked for only where something is called.
+        if pos < line.len() || !line.contains('(') || line.starts_with(':') {
             return None;
         }
-        self.call(line).map(|signature| format!("   {signature}"))
+        let (function, _) = self.read(line).call(self.program.len() + pos)?;
+        Some(format!("   {}", function.entry.signature))
     }
 }
 
@@ -212,9 +193,9 @@ impl Highlighter for Words {
             let code = match lexeme.token {
                 Token::Number => "36",
                 Token::Text => "32",
-                Token::Name => match self.known.get(text) {
-                    Some(Some(_)) => "34",
-                    _ => "0",
+                Token::Name => match self.reading.as_ref().is_some_and(|r| r.is_function(text)) {
+                    true => "34",
+                    false => "0",
                 },
                 Token::Unknown => "31",
                 _ if text.starts_with('#') => "90",

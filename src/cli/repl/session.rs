@@ -19,6 +19,9 @@ pub(super) const VALUE: &str = "it";
 /// Lines of `print` that an entry shows at most.
 const LINES: usize = 10;
 
+/// What messages call the program.
+pub(super) const NAME: &str = "session";
+
 /// What a session knows.
 pub(super) struct Session {
     pub image: Image<'static>,
@@ -131,8 +134,12 @@ impl Session {
 
     /// Compiles a text.
     pub fn compile(&self, text: &str) -> Result<Program, Failure> {
-        let host = Disk { path: self.path.clone() };
-        Ok(Compiler::new().host(&host).value(VALUE).compile("session", text)?)
+        Ok(Compiler::new().host(&self.host()).value(VALUE).compile(NAME, text)?)
+    }
+
+    /// Where its program finds files.
+    pub fn host(&self) -> Disk {
+        Disk { path: self.path.clone() }
     }
 
     /// What every variable holds at the pixel.

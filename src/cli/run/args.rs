@@ -3,8 +3,8 @@
 use crate::cli::frames::Frames;
 use crate::cli::input::{InputArg, MapArg};
 use crate::cli::region::Region;
+use crate::cli::scene::ViewArgs;
 use crate::cli::source::ProgramArgs;
-use crate::cli::view::ViewArgs;
 use crate::eval::TEXTURE_MEMORY;
 use crate::image::WriteOptions;
 use crate::program::{Filter, Limits, Sampling};

@@ -3,7 +3,7 @@
 use super::RunArgs;
 use crate::cli::failure::Failure;
 use crate::cli::input::InputArg;
-use crate::cli::view::ViewArgs;
+use crate::cli::scene::ViewArgs;
 use crate::cli::{frames, output, source};
 use crate::diagnostic::SourceId;
 use crate::eval::MAX_THREADS;

@@ -1,9 +1,11 @@
 //! The server of the page: on this machine alone, for whoever has the address with its token.
 
 use super::session::{Ran, Session};
+use crate::assist::Reading;
 use crate::cli::failure::Failure;
 use crate::cli::interrupt::CANCEL;
 use crate::cli::trace;
+use crate::host::Disk;
 use crate::image::Variable;
 use crate::program::{RunOptions, TraceOptions};
 use crate::reference;
@@ -182,6 +184,8 @@ impl Server {
                 self.session.show(&text("name")?);
                 Ok(())
             }
+            "complete" => return Ok(told(&self.complete(&text("text")?, body))),
+            "hover" => return Ok(told(&self.hover(&text("text")?, body))),
             "frame" => self.session.go(body["frame"].as_f64().unwrap_or(f64::NAN) as f32),
             _ => return Err((404, format!("there is no {path}"))),
         };
@@ -189,6 +193,40 @@ impl Server {
             Ok(()) => Ok(told(&Value::Null)),
             Err(failure) => Err((400, failure.message())),
         }
+    }
+
+    /// What may come at a place of a text that is being written.
+    fn complete(&self, text: &str, body: &Value) -> Value {
+        let (reading, host) = self.reading(text);
+        let found = reading.complete(byte(text, body), &host);
+        let items: Vec<Value> = found
+            .items
+            .iter()
+            .map(|item| {
+                let kind = format!("{:?}", item.kind).to_lowercase();
+                json!({
+                    "name": item.name, "kind": kind, "detail": item.detail,
+                    "documentation": item.documentation,
+                })
+            })
+            .collect();
+        json!({"from": units(text, found.word.start), "items": items})
+    }
+
+    /// What a word of a text means.
+    fn hover(&self, text: &str, body: &Value) -> Value {
+        let (reading, _) = self.reading(text);
+        reading.describe(byte(text, body)).map_or(Value::Null, |found| {
+            let (from, to) = (units(text, found.range.start), units(text, found.range.end));
+            json!({"from": from, "to": to, "text": found.text})
+        })
+    }
+
+    fn reading(&self, text: &str) -> (Reading, Disk) {
+        let host = Disk { path: self.session.fixed.path.clone() };
+        let mut reading = Reading::new(&self.session.name(), text, &host);
+        reading.inputs.clone_from(&self.session.state().inputs);
+        (reading, host)
     }
 
     /// All that happens at a pixel, as `pse trace --json` tells it.
@@ -208,7 +246,7 @@ impl Server {
         let wanted = TraceOptions { depth: u32::MAX, ..TraceOptions::default() };
         match program.trace(&picture.image, column, row, &options, &wanted) {
             Ok(trace) => {
-                let json = trace::json(&trace, program, &self.session.name(), *frame);
+                let json = trace::to_json(&trace, program, &self.session.name(), *frame);
                 Ok(response(json.into_bytes(), "application/json"))
             }
             Err(error) => Err((400, Failure::from(error).message())),
@@ -219,7 +257,7 @@ impl Server {
     fn events(&self, request: Request) {
         let events = self.session.join();
         let mut out = request.into_writer();
-        let tell = move || -> io::Result<()> {
+        let mut tell = move || -> io::Result<()> {
             out.write_all(
                 b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\
                   Connection: close\r\n\r\nretry: 500\n\n",
@@ -294,16 +332,27 @@ fn halves(variable: &Variable<'_>) -> Vec<u8> {
     bytes
 }
 
-/// What the editor can complete and explain.
+/// JavaScript counts in units of UTF-16.
+pub(super) fn units(text: &str, byte: usize) -> usize {
+    text.get(..byte).map_or(0, |part| part.encode_utf16().count())
+}
+
+/// The byte of the place `at` that a page asks for.
+fn byte(text: &str, body: &Value) -> usize {
+    let mut units = body["at"].as_u64().unwrap_or(0) as usize;
+    for (byte, char) in text.char_indices() {
+        if units < char.len_utf16() {
+            return byte;
+        }
+        units -= char.len_utf16();
+    }
+    text.len()
+}
+
+/// The words that the editor colours.
 fn words() -> Value {
-    let functions = reference::entries().into_iter().map(|entry| {
-        json!({
-            "name": entry.name, "signature": entry.signature, "brief": entry.brief, "doc": entry.doc,
-            "kind": "function",
-        })
-    });
-    let constants = crate::resolve::constants()
-        .map(|(name, brief)| json!({"name": name, "signature": name, "brief": brief, "doc": "", "kind": "constant"}));
-    let words: Vec<Value> = functions.chain(constants).collect();
-    json!({"words": words, "keywords": crate::syntax::KEYWORDS})
+    let functions = reference::entries().into_iter().map(|entry| entry.name);
+    let names = reference::names().into_iter().flat_map(|(_, names)| names).map(|(name, _)| name.to_string());
+    let keywords: Vec<&str> = reference::KEYWORDS.iter().map(|(word, _)| *word).collect();
+    json!({"words": functions.chain(names).collect::<Vec<_>>(), "keywords": keywords})
 }

@@ -16,7 +16,8 @@ pub(super) fn token() -> Result<String, Failure> {
         return Ok(token);
     }
     let mut bytes = [0; BYTES];
-    getrandom::fill(&mut bytes).map_err(|error| Failure::plain(format!("there is no randomness: {error}")))?;
+    getrandom::fill(&mut bytes)
+        .map_err(|error| Failure::plain(format!("there is no randomness: {error}")))?;
     let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
     if let Some(path) = path {
         // If it cannot be kept, the next one is another.

@@ -111,7 +111,7 @@ fn place(diagnostic: &Diagnostic, error: &Error) -> Option<Value> {
     let labels = diagnostic.labels.iter().map(|label| label.span);
     let span = labels.chain(diagnostic.trace.iter().map(|(_, span)| *span)).find(own)?;
     let text = &error.sources.get(span.source).text;
-    let units = |byte: u32| text.get(..byte as usize).map_or(0, |part| part.encode_utf16().count());
+    let units = |byte: u32| super::server::units(text, byte as usize);
     let mut message = diagnostic.message.clone();
     for hint in &diagnostic.hints {
         message = format!("{message}\n{hint}");
