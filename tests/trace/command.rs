@@ -66,7 +66,7 @@ fn the_text() {
     // A pipe is no terminal.
     assert!(!out.contains('\x1b'));
     let (deep, _) = good(folder.path(), "trace p.pse --pixel 3,4 --size 8x8 --scene vase --calls");
-    assert!(deep.contains("\n   3           return x / 2              returns 1.75\n"), "{deep}");
+    assert!(deep.contains("\n   3               return x / 2          returns 1.75\n"), "{deep}");
     assert_eq!(good(folder.path(), "trace p.pse --pixel 3,4 --size 8x8 --scene vase --depth 1").0, deep);
     let (short, _) = good(folder.path(), "trace p.pse --size 8x8 --scene vase --limit 4");
     assert!(

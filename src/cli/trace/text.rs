@@ -49,7 +49,7 @@ pub(super) fn text(about: &About<'_>, limit: usize, color: bool) -> String {
     let (line, rounds, source) =
         (width(|r| &r.line).max(4), width(|r| &r.rounds), width(|r| &r.source).max(6));
     let paint = |text: String, code: &str| match color {
-        true if !text.trim().is_empty() => format!("\x1b[{code}m{text}\x1b[0m"),
+        true if !text.trim().is_empty() && code != "0" => format!("\x1b[{code}m{text}\x1b[0m"),
         _ => text,
     };
     let [x, y] = about.trace.pixel;
