@@ -1,5 +1,6 @@
 //! `pse view`: a program's picture in the browser, drawn anew at every change of what it is made of.
 
+mod http;
 mod render;
 mod server;
 mod session;
@@ -10,7 +11,6 @@ mod watch;
 
 use super::failure::{Failure, print, warn};
 use super::input::{InputArg, MapArg};
-use super::interrupt;
 use super::run::{LimitArgs, set, space};
 use super::scene::ViewArgs;
 use clap::Args;
@@ -73,9 +73,8 @@ pub(super) struct PreviewArgs {
     limits: LimitArgs,
 }
 
-/// Shows the page until it is interrupted.
+/// Shows the page until it is interrupted, which ends it as it is: nothing is half written.
 pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
-    interrupt::watch(true);
     let pictures = Pictures::new(args)?;
     let mut values = Vec::new();
     for text in &args.set {
@@ -112,16 +111,8 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
     {
         warn(&format!("cannot open a browser: {error}"));
     }
-    let drawing = Arc::clone(&session);
-    let drawn = std::thread::Builder::new().name("draw".into()).spawn(move || {
-        render::until_end(&drawing, pictures, watcher);
-    });
-    let drawn = drawn.map_err(|error| Failure::plain(format!("cannot start a thread: {error}")))?;
-    server.serve();
-    session.end();
-    // It ends as soon as its run is cancelled.
-    let _ = drawn.join();
-    Ok(())
+    std::thread::spawn(move || server.serve());
+    render::for_ever(&session, pictures, watcher)
 }
 
 /// The program's text; `None` if there is no such file yet.

@@ -30,11 +30,12 @@ struct Drawing {
     took: Option<Duration>,
 }
 
-/// Draws whatever is newest, until the session ends.
-pub(super) fn until_end(session: &Session, pictures: Pictures, watcher: Watcher) {
+/// Draws whatever is newest, for ever.
+pub(super) fn for_ever(session: &Session, pictures: Pictures, watcher: Watcher) -> ! {
     let mut drawing = Drawing { pictures, watcher, compiled: None, took: None };
     let mut done = 0;
-    while let Some(job) = session.next(done) {
+    loop {
+        let job = session.next(done);
         done = job.version;
         match drawing.draw(session, &job) {
             Ok(()) | Err(Failure::Interrupted) => {}

@@ -1,9 +1,10 @@
 //! The server of the page: on this machine alone, for whoever has the address with its token.
 
+use super::http::{self, Request, Response};
 use super::session::{Ran, Session};
+use super::token::token;
 use crate::assist::Reading;
 use crate::cli::failure::Failure;
-use crate::cli::interrupt::CANCEL;
 use crate::cli::trace;
 use crate::host::Disk;
 use crate::image::Variable;
@@ -11,37 +12,29 @@ use crate::program::{RunOptions, TraceOptions};
 use crate::reference;
 use half::slice::HalfFloatSliceExt;
 use serde_json::{Value, json};
-use std::io::{self, Read, Write};
-use std::net::{Ipv4Addr, SocketAddr};
+use std::io::{self, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
-use tiny_http::{Header, Method, Request, Response};
 
 /// The most numbers of a pixel that are sent.
 pub(super) const COMPONENTS: usize = 4;
-
-/// The largest text that a page may send.
-const MOST: u64 = 16 << 20;
-
-/// Requests that are answered at the same time.
-const THREADS: usize = 4;
 
 /// So often a page hears something, so that one that is gone is noticed.
 const ALIVE: Duration = Duration::from_secs(10);
 
 /// What the page is made of, by name and kind.
 const PAGE: [(&str, &str, &str); 9] = [
-    ("", "text/html", include_str!("page/index.html")),
-    ("style.css", "text/css", include_str!("page/style.css")),
-    ("app.js", "text/javascript", include_str!("page/app.js")),
-    ("server.js", "text/javascript", include_str!("page/server.js")),
-    ("picture.js", "text/javascript", include_str!("page/picture.js")),
-    ("editor.js", "text/javascript", include_str!("page/editor.js")),
-    ("params.js", "text/javascript", include_str!("page/params.js")),
-    ("probe.js", "text/javascript", include_str!("page/probe.js")),
-    ("codemirror.js", "text/javascript", include_str!("page/codemirror.js")),
+    ("", "text/html; charset=utf-8", include_str!("page/index.html")),
+    ("style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
+    ("app.js", "text/javascript; charset=utf-8", include_str!("page/app.js")),
+    ("server.js", "text/javascript; charset=utf-8", include_str!("page/server.js")),
+    ("picture.js", "text/javascript; charset=utf-8", include_str!("page/picture.js")),
+    ("editor.js", "text/javascript; charset=utf-8", include_str!("page/editor.js")),
+    ("params.js", "text/javascript; charset=utf-8", include_str!("page/params.js")),
+    ("probe.js", "text/javascript; charset=utf-8", include_str!("page/probe.js")),
+    ("codemirror.js", "text/javascript; charset=utf-8", include_str!("page/codemirror.js")),
 ];
 
 /// The page may load and reach nothing but this server. (The editor makes style sheets as it goes.)
@@ -50,26 +43,25 @@ const POLICY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-
 
 /// The server.
 pub(super) struct Server {
-    http: Arc<tiny_http::Server>,
+    listener: TcpListener,
     session: Arc<Session>,
     port: u16,
     token: String,
 }
 
-/// What goes back.
-type Answer = Result<Response<io::Cursor<Vec<u8>>>, (u16, String)>;
+/// What goes back, or a status and why.
+type Answer = Result<Response, (u16, String)>;
 
 impl Server {
     /// A server at a port, or at any that is free.
     pub fn bind(port: u16, session: Arc<Session>) -> Result<Server, Failure> {
-        let fail = |error: &dyn std::fmt::Display| {
+        let fail = |error: io::Error| {
             Failure::plain(format!("cannot listen at port {port}: {error}"))
                 .hint("Choose another one, or 0 for any that is free (--port).")
         };
-        let http =
-            tiny_http::Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|e| fail(&e))?;
-        let port = http.server_addr().to_ip().map_or(port, |address| address.port());
-        Ok(Server { http: Arc::new(http), session, port, token: super::token::token()? })
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(fail)?;
+        let port = listener.local_addr().map_err(fail)?.port();
+        Ok(Server { listener, session, port, token: token()? })
     }
 
     /// Where the page is.
@@ -77,57 +69,52 @@ impl Server {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
 
-    /// Answers until the command is interrupted.
-    pub fn serve(&self) {
-        std::thread::scope(|scope| {
-            for _ in 0..THREADS {
-                scope.spawn(|| {
-                    while !CANCEL.load(Ordering::Relaxed) {
-                        match self.http.recv_timeout(Duration::from_millis(100)) {
-                            Ok(Some(request)) => self.answer(request),
-                            Ok(None) => {}
-                            Err(_) => break,
-                        }
-                    }
-                });
-            }
-        });
+    /// Answers for ever, each request in a thread of its own.
+    pub fn serve(self) {
+        let server = Arc::new(self);
+        while let Ok((stream, _)) = server.listener.accept() {
+            let server = Arc::clone(&server);
+            // Where there is no thread for it, the browser asks again.
+            let _ =
+                std::thread::Builder::new().name("answer".into()).spawn(move || server.connection(stream));
+        }
     }
 
-    fn answer(&self, mut request: Request) {
-        let url = request.url().to_string();
-        let (path, query) = url.split_once('?').unwrap_or((&url, ""));
-        let path = match self.own(&request, path) {
-            Ok(path) => path.to_string(),
-            Err((status, why)) => return send(request, Err((status, why.to_string()))),
+    fn connection(&self, mut stream: TcpStream) {
+        let request = match http::read(&mut stream) {
+            Ok(request) => request,
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                return send(&mut stream, Err((400, error.to_string())));
+            }
+            // Nobody waits for an answer.
+            Err(_) => return,
         };
-        if path == "events" {
-            self.events(request);
-            return;
-        }
-        let answer = match request.method() {
-            Method::Get => self.get(&path, query),
-            Method::Post => body(&mut request).and_then(|body| self.post(&path, &body)),
-            _ => Err((405, "only GET and POST".into())),
+        let answer = match self.own(&request) {
+            Err((status, why)) => Err((status, why.to_string())),
+            Ok("events") => return self.events(stream),
+            Ok(path) => match request.method.as_str() {
+                "GET" => self.get(path, &request.query),
+                "POST" => serde_json::from_slice(&request.body)
+                    .map_err(|error| (400, format!("that is no JSON: {error}")))
+                    .and_then(|body| self.post(path, &body)),
+                _ => Err((405, "only GET and POST".into())),
+            },
         };
-        send(request, answer);
+        send(&mut stream, answer);
     }
 
     /// The path behind the token, of a request that may be answered. A page of somebody else's that leads a name of its
     /// own to this machine sends that name as the host.
-    fn own<'p>(&self, request: &Request, path: &'p str) -> Result<&'p str, (u16, &'static str)> {
-        let value = |name: &'static str| {
-            request.headers().iter().find(|h| h.field.equiv(name)).map(|h| h.value.as_str())
-        };
+    fn own<'r>(&self, request: &'r Request) -> Result<&'r str, (u16, &'static str)> {
         let hosts = [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)];
-        if !value("Host").is_some_and(|host| hosts.iter().any(|own| own == host)) {
+        if !request.host.as_ref().is_some_and(|host| hosts.contains(host)) {
             return Err((403, "this server is for this machine alone"));
         }
-        let foreign = |origin: &str| !hosts.iter().any(|own| origin.strip_prefix("http://") == Some(own));
-        if value("Origin").is_some_and(foreign) {
+        let foreign = |origin: &String| !hosts.iter().any(|own| origin.strip_prefix("http://") == Some(own));
+        if request.origin.as_ref().is_some_and(foreign) {
             return Err((403, "this server is for its own page alone"));
         }
-        let rest = path.strip_prefix('/').and_then(|p| p.strip_prefix(self.token.as_str()));
+        let rest = request.path.strip_prefix('/').and_then(|p| p.strip_prefix(self.token.as_str()));
         match rest.and_then(|rest| rest.strip_prefix('/')) {
             Some(rest) => Ok(rest),
             None => Err((404, "pse view: the address is not whole; it is what the command printed")),
@@ -136,8 +123,9 @@ impl Server {
 
     fn get(&self, path: &str, query: &str) -> Answer {
         if let Some((_, kind, text)) = PAGE.iter().find(|(name, ..)| *name == path) {
-            let response = response(text.as_bytes().to_vec(), &format!("{kind}; charset=utf-8"));
-            return Ok(response.with_header(header("Content-Security-Policy", POLICY)));
+            let mut response = response(text.as_bytes().to_vec(), kind);
+            response.headers.push(("Content-Security-Policy", POLICY));
+            return Ok(response);
         }
         let value = |name: &str| {
             form_urlencoded::parse(query.as_bytes())
@@ -254,60 +242,47 @@ impl Server {
     }
 
     /// Tells a page what happens, until it is closed.
-    fn events(&self, request: Request) {
+    fn events(&self, mut stream: TcpStream) {
         let events = self.session.join();
-        let mut out = request.into_writer();
-        let mut tell = move || -> io::Result<()> {
-            out.write_all(
-                b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\
-                  Connection: close\r\n\r\nretry: 500\n\n",
-            )?;
-            out.flush()?;
+        let mut tell = || -> io::Result<()> {
+            http::respond_on(&mut stream, &[("Content-Type", "text/event-stream")])?;
+            stream.write_all(b"retry: 500\n\n")?;
             loop {
                 let event = match events.recv_timeout(ALIVE) {
                     Ok(event) => event,
                     Err(RecvTimeoutError::Timeout) => ":\n\n".into(),
                     Err(RecvTimeoutError::Disconnected) => return Ok(()),
                 };
-                out.write_all(event.as_bytes())?;
-                out.flush()?;
+                stream.write_all(event.as_bytes())?;
             }
         };
         // A page that is gone is no fault.
-        std::thread::spawn(move || drop(tell()));
+        let _ = tell();
     }
 }
 
-fn header(name: &str, value: &str) -> Header {
-    Header::from_bytes(name, value).expect("headers are ASCII")
+/// An answer of bytes of a kind.
+fn response(body: Vec<u8>, kind: &'static str) -> Response {
+    let headers = vec![
+        ("Content-Type", kind),
+        ("X-Content-Type-Options", "nosniff"),
+        ("Referrer-Policy", "no-referrer"),
+    ];
+    Response { status: 200, headers, body }
 }
 
-fn response(bytes: Vec<u8>, kind: &str) -> Response<io::Cursor<Vec<u8>>> {
-    Response::from_data(bytes)
-        .with_header(header("Content-Type", kind))
-        .with_header(header("Cache-Control", "no-store"))
-        .with_header(header("X-Content-Type-Options", "nosniff"))
-        .with_header(header("Referrer-Policy", "no-referrer"))
-}
-
-fn told(value: &Value) -> Response<io::Cursor<Vec<u8>>> {
+/// An answer in JSON.
+fn told(value: &Value) -> Response {
     response(value.to_string().into_bytes(), "application/json")
 }
 
-fn send(request: Request, answer: Answer) {
+fn send(stream: &mut TcpStream, answer: Answer) {
     let response = answer.unwrap_or_else(|(status, why)| {
-        response(format!("{why}\n").into_bytes(), "text/plain; charset=utf-8").with_status_code(status)
+        let text = response(format!("{why}\n").into_bytes(), "text/plain; charset=utf-8");
+        Response { status, ..text }
     });
     // A page that is gone is no fault.
-    let _ = request.respond(response);
-}
-
-/// What a page sends.
-fn body(request: &mut Request) -> Result<Value, (u16, String)> {
-    let mut bytes = Vec::new();
-    let read = request.as_reader().take(MOST).read_to_end(&mut bytes);
-    read.map_err(|error| (400, format!("the request broke off: {error}")))?;
-    serde_json::from_slice(&bytes).map_err(|error| (400, format!("that is no JSON: {error}")))
+    let _ = http::respond(stream, &response);
 }
 
 /// The first components of a variable, pixel by pixel, as half floats with the low byte first.

@@ -89,7 +89,6 @@ pub(super) struct State {
     drawn: VecDeque<Arc<Drawn>>,
     drawings: u64,
     pages: Vec<Sender<String>>,
-    ended: bool,
 }
 
 /// A preview.
@@ -137,32 +136,21 @@ impl Session {
         self.changed.notify_all();
     }
 
-    /// Ends the drawing and the pages' connections.
-    pub fn end(&self) {
+    /// Waits for something newer to draw.
+    pub fn next(&self, done: u64) -> Job {
         let mut state = self.state();
-        state.ended = true;
-        state.pages.clear();
-        self.redraw(&mut state);
-    }
-
-    /// Waits for something newer to draw; `None` at the end.
-    pub fn next(&self, done: u64) -> Option<Job> {
-        let mut state = self.state();
-        while state.version == done && !state.ended {
+        while state.version == done {
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
-        if state.ended {
-            return None;
-        }
         self.cancel.store(false, Ordering::Relaxed);
-        Some(Job {
+        Job {
             version: state.version,
             files: state.files,
             text: state.text.clone(),
             set: state.set.iter().map(|(name, _, value)| (name.clone(), value.clone())).collect(),
             frame: state.frame,
             also: state.also.clone(),
-        })
+        }
     }
 
     /// A page that hears what happens from now on, the state and the last picture first.
