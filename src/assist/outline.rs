@@ -2,10 +2,10 @@
 
 use super::Reading;
 use crate::diagnostic::{SourceId, Sources, Span};
-use crate::resolve::{Files, assigned};
+use crate::resolve::{Files, assigned, print};
 use crate::syntax::{
     self,
-    ast::{Stmt, StmtKind},
+    ast::{Expr, ExprKind, Stmt, StmtKind},
 };
 use std::collections::HashSet;
 use std::ops::Range;
@@ -80,7 +80,8 @@ pub(super) fn written(files: &Files, sources: &Sources) -> Vec<(String, Span)> {
             }
         });
     }
-    let alone = files.body.iter().any(|stmt| matches!(stmt.kind, StmtKind::Expr(_)));
+    let prints = |e: &Expr| matches!(&*e.kind, ExprKind::Call(name, _) if name.text == print::NAME);
+    let alone = files.body.iter().any(|stmt| matches!(&stmt.kind, StmtKind::Expr(e) if !prints(e)));
     let picture = seen.contains("color") || alone || seen.contains("normal");
     all.retain(|(name, _)| !picture || matches!(*name, "color" | "alpha"));
     all.into_iter().map(|(name, span)| (name.to_string(), span)).collect()
