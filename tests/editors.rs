@@ -29,11 +29,13 @@ fn words() -> [(&'static str, &'static str, Vec<String>); 4] {
         let lines = groups.iter().filter(|(title, _)| wanted(title)).flat_map(|(_, lines)| lines);
         lines.map(|(name, _)| name.to_string()).collect()
     };
+    let statement = |title: &str| title == "A statement that is written as a call";
+    let functions = reference::entries().into_iter().map(|e| e.name);
     [
         ("keyword.control.pse", "pseKeyword", reference::KEYWORDS.iter().map(|k| k.0.to_string()).collect()),
-        ("support.function.pse", "pseFunction", reference::entries().into_iter().map(|e| e.name).collect()),
+        ("support.function.pse", "pseFunction", functions.chain(of(&statement)).collect()),
         ("constant.language.pse", "pseConstant", of(&|title| title == "Constants")),
-        ("variable.language.pse", "pseVariable", of(&|title| title != "Constants")),
+        ("variable.language.pse", "pseVariable", of(&|title| title != "Constants" && !statement(title))),
     ]
 }
 

@@ -7,6 +7,7 @@ use super::{Reading, Role, Symbol, occurrences};
 use crate::diagnostic::SourceId;
 use crate::host::Host;
 use crate::reference;
+use crate::resolve::print;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -211,7 +212,9 @@ fn keywords(wanted: &[&str]) -> Vec<Item> {
 /// What every program can read.
 fn inputs() -> Vec<Item> {
     let groups = reference::names();
-    let all = groups.iter().flat_map(|(title, lines)| {
+    // A statement that is written as a call is with the functions.
+    let read = groups.iter().filter(|(_, lines)| lines.iter().all(|(name, _)| *name != print::NAME));
+    let all = read.flat_map(|(title, lines)| {
         let kind = if *title == "Constants" { Kind::Constant } else { Kind::Input };
         lines.iter().map(move |(name, brief)| item(name, kind, title, brief.clone()))
     });

@@ -87,9 +87,8 @@ impl Reading {
             );
         }
         let mut said = Vec::new();
-        let written = self.written();
         let assigned = self.definition(&Symbol::Outer(name.to_string())).is_some();
-        if written.iter().any(|(output, _)| *output == name) {
+        if self.written.iter().any(|(output, _)| output == name) {
             said.push("An output: the program writes it.".to_string());
         } else if assigned {
             said.push("A variable of the program.".to_string());

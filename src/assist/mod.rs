@@ -24,6 +24,7 @@ use crate::diagnostic::{SourceId, Sources, Span};
 use crate::host::Host;
 use crate::resolve::{Files, Import, gather};
 use crate::syntax::ast::{self, StmtKind};
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// A program's text, read as far as it can be.
@@ -32,6 +33,10 @@ pub struct Reading {
     files: Files,
     /// What its names stand for, in the order of the text.
     pub occurrences: Vec<Occurrence>,
+    /// Where each symbol first gets a value in the text.
+    first: HashMap<Symbol, Span>,
+    /// The variables that the program writes if nobody says which, each with its first assignment.
+    written: Vec<(String, Span)>,
     /// Is there anything in the text or its imports that could not be read?
     pub faulty: bool,
     /// Names that are known beside the program's own: an image's variables.
@@ -44,7 +49,20 @@ impl Reading {
         let (mut sources, mut errors) = (Sources::default(), Vec::new());
         let files = gather(name, text, &mut sources, host, &mut errors);
         let occurrences = occurrences::of(&files, text);
-        Reading { sources, files, occurrences, faulty: !errors.is_empty(), inputs: Vec::new() }
+        let written = outline::written(&files, &sources);
+        let mut first = HashMap::new();
+        for o in occurrences.iter().filter(|o| matches!(o.role, Role::Write | Role::Define)) {
+            first.entry(o.symbol.clone()).or_insert(o.span());
+        }
+        Reading {
+            sources,
+            files,
+            occurrences,
+            first,
+            written,
+            faulty: !errors.is_empty(),
+            inputs: Vec::new(),
+        }
     }
 
     /// The program's text.
@@ -108,20 +126,14 @@ impl Reading {
             Symbol::Function(name) => self.own_function(name).map(|f| f.name.span),
             Symbol::Outer(name) => match self.param(name) {
                 Some((_, name)) => Some(name.span),
-                None => self.first(symbol),
+                None => self.first.get(symbol).copied(),
             },
             Symbol::Local { function, name } => {
                 let parameter =
                     self.own_function(function).and_then(|f| f.params.iter().find(|p| p.0.text == *name));
-                parameter.map(|(name, _)| name.span).or_else(|| self.first(symbol))
+                parameter.map(|(name, _)| name.span).or_else(|| self.first.get(symbol).copied())
             }
         }
-    }
-
-    /// Where the text first assigns a symbol.
-    fn first(&self, symbol: &Symbol) -> Option<Span> {
-        let writes = |o: &&Occurrence| o.symbol == *symbol && matches!(o.role, Role::Write | Role::Define);
-        self.occurrences.iter().find(writes).map(|o| o.span())
     }
 
     /// The occurrence at a byte, or right before it.

@@ -1,12 +1,13 @@
 //! What a program consists of: functions, params, and what it writes.
 
 use super::Reading;
-use crate::diagnostic::{SourceId, Span};
-use crate::resolve::assigned;
+use crate::diagnostic::{SourceId, Sources, Span};
+use crate::resolve::{Files, assigned, print};
 use crate::syntax::{
     self,
-    ast::{Stmt, StmtKind},
+    ast::{Expr, ExprKind, Stmt, StmtKind},
 };
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// What an entry of the outline is.
@@ -51,7 +52,7 @@ impl Reading {
             let whole = stmt.span.start as usize..end(stmt) as usize;
             list.push(Entry { name: name.text.clone(), detail, kind, whole, place: range(name.span) });
         }
-        for (name, span) in self.written() {
+        for &(ref name, span) in &self.written {
             if span.source == SourceId::default() {
                 let detail = "written".to_string();
                 let (whole, place) = (range(span), range(span));
@@ -61,30 +62,29 @@ impl Reading {
         list.sort_by_key(|entry| entry.place.start);
         list
     }
+}
 
-    /// The variables that the program writes if nobody says which, each with its first assignment; as
-    /// `docs/language.md` has it under "What is written".
-    pub(super) fn written(&self) -> Vec<(&str, Span)> {
-        let mut all: Vec<(&str, Span)> = Vec::new();
-        for stmt in &self.files.body {
-            let block = match &stmt.kind {
-                // The block of `if begin_frame` is the frame's.
-                StmtKind::If { arms, .. } if self.sources.text(arms[0].0.span) == "begin_frame" => continue,
-                _ => std::slice::from_ref(stmt),
-            };
-            assigned(block, &mut |name| {
-                if !all.iter().any(|(known, _)| *known == name.text) {
-                    all.push((&name.text, name.span));
-                }
-            });
+/// The variables that a program writes if nobody says which, each with its first assignment; as `docs/language.md` has
+/// it under "What is written".
+pub(super) fn written(files: &Files, sources: &Sources) -> Vec<(String, Span)> {
+    let mut all: Vec<(&str, Span)> = Vec::new();
+    let mut seen: HashSet<&str> = HashSet::new();
+    for stmt in &files.body {
+        // The block of `if begin_frame` is the frame's.
+        if matches!(&stmt.kind, StmtKind::If { arms, .. } if sources.text(arms[0].0.span) == "begin_frame") {
+            continue;
         }
-        let has = |wanted: &str| all.iter().any(|(name, _)| *name == wanted);
-        let alone = self.files.body.iter().any(|stmt| matches!(stmt.kind, StmtKind::Expr(_)));
-        match has("color") || alone || has("normal") {
-            true => all.into_iter().filter(|(name, _)| matches!(*name, "color" | "alpha")).collect(),
-            false => all,
-        }
+        assigned(std::slice::from_ref(stmt), &mut |name| {
+            if seen.insert(&name.text) {
+                all.push((&name.text, name.span));
+            }
+        });
     }
+    let prints = |e: &Expr| matches!(&*e.kind, ExprKind::Call(name, _) if name.text == print::NAME);
+    let alone = files.body.iter().any(|stmt| matches!(&stmt.kind, StmtKind::Expr(e) if !prints(e)));
+    let picture = seen.contains("color") || alone || seen.contains("normal");
+    all.retain(|(name, _)| !picture || matches!(*name, "color" | "alpha"));
+    all.into_iter().map(|(name, span)| (name.to_string(), span)).collect()
 }
 
 /// Where a statement with all its blocks ends.

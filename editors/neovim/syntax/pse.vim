@@ -24,7 +24,7 @@ syn keyword pseFunction ambient illuminance specular phong mirrored facets blinn
 syn keyword pseFunction metal glass footprint checker brick_cell brick brick_groove cellrandom bumped star_distance
 syn keyword pseFunction star wallpaper blue_marble granite rock crystal growthrings rings fibres pine
 syn keyword pseFunction oak walnut zebrawood metallic cloudplane stars planet_height planet fire firecolor
-syn keyword pseFunction sinc soapfilm
+syn keyword pseFunction sinc soapfilm print
 syn keyword pseConstant pi infinity white black gray red green blue cyan magenta
 syn keyword pseConstant yellow
 syn keyword pseVariable frame begin_frame resolution pixel pixelsize pixel_freq eye surface point normal
