@@ -124,7 +124,6 @@ async function fetchPicture() {
 function outputs(list) {
   if (!list.some(({ name }) => name === output)) output = list[0]?.name ?? null;
   const tabs = $("outputs");
-  const select = $("also");
   tabs.replaceChildren(...list.map(({ name, shape }) => {
     const tab = document.createElement("button");
     tab.textContent = name;
@@ -133,7 +132,7 @@ function outputs(list) {
     tab.setAttribute("aria-selected", name === output);
     tab.addEventListener("click", () => choose(name));
     return tab;
-  }), select);
+  }));
 }
 /** Variables that may be shown beside the outputs. */
 function variables({ assigned, inputs, also }) {
@@ -149,7 +148,7 @@ $("also").addEventListener("change", () => {
 });
 function choose(name) {
   output = name;
-  for (const tab of $("outputs").querySelectorAll("button")) tab.setAttribute("aria-selected", tab.textContent === name);
+  for (const tab of $("outputs").children) tab.setAttribute("aria-selected", tab.textContent === name);
   fetchPicture();
 }
 
@@ -258,7 +257,7 @@ $("frame-last").addEventListener("change", () => { $("frame").max = $("frame-las
 
 // Keys, where nothing is typed.
 const step = (by) => {
-  const tabs = [...$("outputs").querySelectorAll("button")];
+  const tabs = [...$("outputs").children];
   const i = tabs.findIndex((tab) => tab.textContent === output);
   if (tabs.length) choose(tabs[(i + by + tabs.length) % tabs.length].textContent);
 };

@@ -147,7 +147,7 @@ export function editor(parent, { changed, save, asks }) {
         ...cm.defaultKeymap,
       ]),
       cm.lineNumbers(), cm.highlightActiveLineGutter(), cm.highlightSpecialChars(), cm.history(), cm.drawSelection(),
-      cm.highlightActiveLine(), cm.bracketMatching(), cm.closeBrackets(), cm.highlightSelectionMatches(),
+      cm.highlightActiveLine(), EditorView.lineWrapping, cm.bracketMatching(), cm.closeBrackets(), cm.highlightSelectionMatches(),
       cm.lintGutter(), cm.indentUnit.of("    "), cm.autocompletion({ override: [complete] }), hover,
       redo.of(colour()), cm.syntaxHighlighting(colours), look, values,
       EditorView.contentAttributes.of({ "aria-label": "Program" }),

@@ -152,8 +152,10 @@ export function valueAt([x, y]) {
 
 function drawHistogram() {
   const context = histogram.getContext("2d");
-  const { width: w, height: h } = histogram;
-  context.clearRect(0, 0, w, h);
+  const { clientWidth: w, clientHeight: h } = histogram;
+  const dense = window.devicePixelRatio;
+  [histogram.width, histogram.height] = [w * dense, h * dense];
+  context.scale(dense, dense);
   const { halves, components } = shown;
   const channels = Math.min(components, 3);
   let [least, most] = [Infinity, -Infinity];
@@ -167,25 +169,25 @@ function drawHistogram() {
   }
   if (!(least <= most)) return;
   const span = most - least || 1;
-  const ink = getComputedStyle(document.body).getPropertyValue("--faint");
-  context.globalCompositeOperation = channels > 1 ? "multiply" : "source-over";
-  if (matchMedia("(prefers-color-scheme: dark)").matches && channels > 1) context.globalCompositeOperation = "screen";
-  const colours = channels > 1 ? ["#e05050", "#40a050", "#4070e0"] : [ink];
+  // Where all three are, it is white.
+  context.globalCompositeOperation = "lighter";
+  const colours = channels > 1 ? ["#a03030", "#30a030", "#3030a0"] : ["#989ca6"];
   for (let c = 0; c < channels; c++) {
     const bins = new Float64Array(256);
     for (let i = 0; i < halves.length; i += step) {
       const x = FLOATS[halves[i + c]];
       if (Number.isFinite(x)) bins[Math.min(255, Math.floor(((x - least) / span) * 256))]++;
     }
-    const top = Math.log1p(bins.reduce((a, b) => Math.max(a, b), 1));
+    // A background of one colour would press all else to the ground.
+    const top = bins.toSorted()[250] || Math.max(...bins);
     context.fillStyle = colours[c];
     bins.forEach((n, i) => {
-      const tall = (Math.log1p(n) / top) * (h - 14);
+      const tall = Math.min(1, Math.sqrt(n / top)) * (h - 14);
       context.fillRect((i * w) / 256, h - tall, w / 256, tall);
     });
   }
   context.globalCompositeOperation = "source-over";
-  context.fillStyle = ink;
+  context.fillStyle = "#989ca6";
   context.font = "11px system-ui";
   context.textAlign = "left";
   context.fillText(least.toPrecision(4), 4, 11);
@@ -194,4 +196,4 @@ function drawHistogram() {
 }
 
 new ResizeObserver(place).observe(frame);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => shown && drawHistogram());
+new ResizeObserver(() => shown && drawHistogram()).observe(histogram);

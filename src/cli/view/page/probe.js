@@ -54,6 +54,9 @@ export function probe(events, [x, y], code, failure) {
       if (event.event === "assign" || event.event === "param") lines.set(event.line, short(event.value));
       if (event.event === "branch" && !lines.has(event.line)) lines.set(event.line, event.taken ? "taken" : "not taken");
       if (event.event === "print") lines.set(event.line, words(event));
+    } else if (own && (event.event === "assign" || event.event === "return")) {
+      // Of a function that is called several times, the last call.
+      lines.set(event.line, short(event.value));
     }
     const row = document.createElement("tr");
     const [line, what] = [document.createElement("td"), document.createElement("td")];
