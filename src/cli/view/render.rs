@@ -60,7 +60,7 @@ impl Drawing {
         let missing = |name: &str| picture.inputs.missing(name);
         let options = RunOptions {
             missing: if picture.inputs.list.is_empty() { None } else { Some(&missing) },
-            cancel: Some(&session.cancel),
+            cancel: Some(&session.late),
             ..session.options(job.frame, &job.set, &program)
         };
         let unset = RunOptions { set: Vec::new(), ..options.clone() };
@@ -70,7 +70,7 @@ impl Drawing {
         let size = [picture.image.width, picture.image.height];
         let started = Instant::now();
         if self.took.is_none_or(|took| took > SOON) && size[0].min(size[1]) > 8 * COARSE {
-            let coarse = RunOptions { every: COARSE, ..options.clone() };
+            let coarse = RunOptions { every: COARSE, cancel: Some(&session.late), ..options.clone() };
             self.show(session, job, &program, &picture, &coarse, started)?;
         }
         let news = Mutex::new(Instant::now());
@@ -82,7 +82,9 @@ impl Drawing {
                 session.tell(&mut session.state(), "progress", &told);
             }
         };
-        let options = RunOptions { progress: Some(&progress), ..options };
+        let soon = self.took.is_some_and(|took| took <= SOON);
+        let cancel = if soon { &session.late } else { &session.cancel };
+        let options = RunOptions { progress: Some(&progress), cancel: Some(cancel), ..options };
         self.took = Some(self.show(session, job, &program, &picture, &options, started)?);
         Ok(())
     }
@@ -146,10 +148,8 @@ impl Drawing {
         let report = program.run(&picture.image, options)?;
         let took = begin.elapsed();
         let size = [picture.image.width, picture.image.height];
+        // Perhaps there is something newer to draw; this is newer than what is on the screen.
         let mut state = session.state();
-        if state.version != job.version {
-            return Err(Failure::Interrupted);
-        }
         let full = options.every <= 1;
         let was_wrong = state.error.take().is_some();
         let drawn = session.keep(&mut state, report.image);

@@ -156,14 +156,19 @@ impl Server {
         let text =
             |name: &str| body[name].as_str().map(str::to_string).ok_or((400, format!("{path} needs {name}")));
         let from = body["client"].as_str().unwrap_or_default();
+        let saves = body["saves"].as_u64().unwrap_or(0);
         let done = match path {
             "text" => {
-                self.session.edit(text("text")?, from);
+                self.session.edit(text("text")?, from, saves);
                 Ok(())
             }
-            "save" => self.session.save(text("text")?, from),
+            "save" => self.session.save(text("text")?, from, saves),
             "take" => {
                 self.session.take();
+                Ok(())
+            }
+            "keep" => {
+                self.session.keep_text();
                 Ok(())
             }
             "set" => self.session.set(&text("name")?, body["value"].as_str()),

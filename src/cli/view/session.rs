@@ -13,9 +13,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Pictures that a page may still fetch after newer ones are told.
 const PICTURES: usize = 4;
+
+/// What is drawn soon is drawn to its end for so long, although there may be something newer: a slider that is dragged
+/// would otherwise show nothing until it rests.
+const GRACE: Duration = Duration::from_millis(200);
 
 /// What stays as it is.
 pub(super) struct Fixed {
@@ -58,6 +63,8 @@ pub(super) struct State {
     pub text: String,
     /// What is in the file, as far as known.
     pub disk: Option<String>,
+    /// How often the file was seen to change. A page whose text is of an earlier state would undo that change.
+    pub saves: u64,
     /// The page that changed the text last.
     pub from: String,
     /// Did the file change while a page had changes of its own?
@@ -89,6 +96,8 @@ pub(super) struct State {
     drawn: VecDeque<Arc<Drawn>>,
     drawings: u64,
     pages: Vec<Sender<String>>,
+    /// When the newest drawing began.
+    begun: Option<Instant>,
 }
 
 /// A preview.
@@ -99,6 +108,8 @@ pub(super) struct Session {
     changed: Condvar,
     /// Set when what runs is out of date.
     pub cancel: AtomicBool,
+    /// Set when it is, and has been running for a while.
+    pub late: AtomicBool,
 }
 
 /// What to draw.
@@ -116,7 +127,7 @@ impl Session {
     pub fn new(fixed: Fixed, text: String, frame: f32, set: Vec<(String, String, PixelValue)>) -> Session {
         let disk = Some(text.clone()).filter(|_| fixed.file.exists());
         let state = State { text, disk, frame, set, version: 1, ..State::default() };
-        Session { fixed, state: Mutex::new(state), changed: Condvar::new(), cancel: AtomicBool::new(false) }
+        Session { fixed, state: Mutex::new(state), changed: Condvar::new(), cancel: AtomicBool::new(false), late: AtomicBool::new(false) }
     }
 
     /// What messages call the program.
@@ -133,6 +144,9 @@ impl Session {
     fn redraw(&self, state: &mut State) {
         state.version += 1;
         self.cancel.store(true, Ordering::Relaxed);
+        if state.begun.is_some_and(|begun| begun.elapsed() > GRACE) {
+            self.late.store(true, Ordering::Relaxed);
+        }
         self.changed.notify_all();
     }
 
@@ -143,6 +157,8 @@ impl Session {
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         self.cancel.store(false, Ordering::Relaxed);
+        self.late.store(false, Ordering::Relaxed);
+        state.begun = Some(Instant::now());
         Job {
             version: state.version,
             files: state.files,
@@ -194,10 +210,11 @@ impl Session {
         self.state().drawn.iter().find(|drawn| drawn.id == id).cloned()
     }
 
-    /// A page has another text.
-    pub fn edit(&self, text: String, from: &str) {
+    /// A page has another text, made of what the file was after so many saves.
+    pub fn edit(&self, text: String, from: &str, saves: u64) {
         let mut state = self.state();
         if state.text != text {
+            state.conflict |= saves != state.saves && state.disk.as_ref() != Some(&text);
             (state.text, state.from) = (text, from.to_string());
             self.redraw(&mut state);
             self.tell_state(&mut state);
@@ -205,11 +222,19 @@ impl Session {
     }
 
     /// Writes the text into the file.
-    pub fn save(&self, text: String, from: &str) -> Result<(), Failure> {
-        self.edit(text, from);
-        let text = self.state().text.clone();
+    pub fn save(&self, text: String, from: &str, saves: u64) -> Result<(), Failure> {
+        self.edit(text.clone(), from, saves);
+        {
+            let mut state = self.state();
+            if saves != state.saves && state.disk.as_ref() != Some(&text) {
+                state.conflict = true;
+                self.tell_state(&mut state);
+                return Err(Failure::plain("the file was changed elsewhere, and is not replaced unasked"));
+            }
+        }
         write_file(&self.fixed.file, text.as_bytes())?;
         let mut state = self.state();
+        state.saves += u64::from(state.disk.as_ref() != Some(&text));
         state.disk = Some(text);
         state.conflict = false;
         self.tell_state(&mut state);
@@ -224,6 +249,13 @@ impl Session {
             self.redraw(&mut state);
             self.tell_state(&mut state);
         }
+    }
+
+    /// The pages' text is to stay, whatever the file says.
+    pub fn keep_text(&self) {
+        let mut state = self.state();
+        state.conflict = false;
+        self.tell_state(&mut state);
     }
 
     /// The program's file has changed, or something beside it.
@@ -242,6 +274,7 @@ impl Session {
         let Some(text) = text.filter(|text| state.disk.as_ref() != Some(text)) else { return };
         let untouched = state.disk.as_ref().is_none_or(|disk| *disk == state.text);
         state.disk = Some(text.clone());
+        state.saves += 1;
         if untouched || state.text == text {
             state.conflict = false;
             if state.text != text {

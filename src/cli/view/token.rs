@@ -43,6 +43,7 @@ fn kept(path: &Path) -> Option<String> {
 fn keep(path: &Path, token: &str) -> std::io::Result<()> {
     // Whatever stands there is no token, or one that others may have read.
     let _ = fs::remove_file(path);
+    fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
     let mut options = fs::OpenOptions::new();
     options.write(true).create_new(true);
     #[cfg(unix)]

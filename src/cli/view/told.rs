@@ -46,6 +46,7 @@ pub(super) fn state(session: &Session, state: &State) -> Value {
         "text": state.text,
         "from": state.from,
         "saved": state.disk.as_ref() == Some(&state.text),
+        "saves": state.saves,
         "conflict": state.conflict,
         "params": params,
         "frame": number(state.frame),

@@ -13,13 +13,15 @@ let newest = null;
 let output = null;
 let wanted = 0;
 let place = null;
+/** Of which state of the file the text here was made. */
+let saves = 0;
 
 const tell = (text) => { $("status").textContent = text; };
 const failed = (error) => tell(String(error.message ?? error).trim());
 const send = (path, values) => post(path, values).catch(failed);
 
-/** Sends the last of quickly following values, one at a time. */
-function latest(path) {
+/** Sends the last of quickly following values, one at a time; `done` when there are no more. */
+function latest(path, done = () => {}) {
   let [busy, next] = [false, null];
   const go = async () => {
     busy = true;
@@ -29,10 +31,14 @@ function latest(path) {
       await send(path, values);
     }
     busy = false;
+    done();
   };
   return (values) => { next = values; if (!busy) go(); };
 }
-const sendText = latest("text");
+/** Is there text here that the server does not know yet? What it tells is then older than what is here. */
+let unsent = false;
+let typing = 0;
+const sendText = latest("text", () => { unsent = typing !== 0; });
 const sendFrame = latest("frame");
 const setters = new Map();
 function setParam(name, value) {
@@ -40,11 +46,11 @@ function setParam(name, value) {
   setters.get(name)({ name, value });
 }
 
-let typing = 0;
 const code = editor($("editor"), {
   changed(text) {
     clearTimeout(typing);
-    typing = setTimeout(() => sendText({ text }), 60);
+    unsent = true;
+    typing = setTimeout(() => { typing = 0; sendText({ text, saves }); }, 60);
     $("unsaved").hidden = false;
   },
   save,
@@ -53,7 +59,8 @@ const code = editor($("editor"), {
 });
 function save() {
   clearTimeout(typing);
-  send("save", { text: code.text() });
+  [typing, unsent] = [0, false];
+  send("save", { text: code.text(), saves });
 }
 
 // What the server tells.
@@ -65,7 +72,9 @@ const handlers = {
     $("name").textContent = told.name;
     $("unsaved").hidden = told.saved;
     $("changed").hidden = !told.conflict;
-    if (first || told.from !== client) code.take(told.text);
+    if (!unsent && (first || told.from !== client)) code.take(told.text);
+    // While there is a conflict, what is here is still of the old state.
+    if (!unsent && !told.conflict) saves = told.saves;
     variables(told);
     params(told.params, setParam, (name) => send("write", { name }));
     $("time").hidden = !told.animated;
@@ -186,7 +195,11 @@ $("fit").addEventListener("click", picture.fit);
 $("one").addEventListener("click", picture.oneToOne);
 $("save").addEventListener("click", save);
 $("take").addEventListener("click", () => send("take", {}));
-$("keep").addEventListener("click", () => { $("changed").hidden = true; });
+$("keep").addEventListener("click", () => {
+  saves = state.saves;
+  sendText({ text: code.text(), saves });
+  send("keep", {});
+});
 $("help").addEventListener("click", () => $("keys").showModal());
 
 // The pointer on the picture: a click looks inside a pixel, dragging moves it, the wheel zooms, two fingers do both.

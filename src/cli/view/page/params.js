@@ -55,7 +55,11 @@ function build(all, set, write) {
         entry.value = text;
         set(name, text);
       });
-      slider.addEventListener("dblclick", () => set(name, null));
+      slider.addEventListener("dblclick", () => {
+        // It goes where the program says.
+        slider.blur();
+        set(name, null);
+      });
     }
     const entry = document.createElement("input");
     entry.type = "text";
