@@ -127,7 +127,13 @@ impl Session {
     pub fn new(fixed: Fixed, text: String, frame: f32, set: Vec<(String, String, PixelValue)>) -> Session {
         let disk = Some(text.clone()).filter(|_| fixed.file.exists());
         let state = State { text, disk, frame, set, version: 1, ..State::default() };
-        Session { fixed, state: Mutex::new(state), changed: Condvar::new(), cancel: AtomicBool::new(false), late: AtomicBool::new(false) }
+        Session {
+            fixed,
+            state: Mutex::new(state),
+            changed: Condvar::new(),
+            cancel: AtomicBool::new(false),
+            late: AtomicBool::new(false),
+        }
     }
 
     /// What messages call the program.
