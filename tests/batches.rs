@@ -275,6 +275,40 @@ proptest! {
     }
 }
 
+/// A coarse picture has every so many pixels of the whole one, with derivatives and outputs that are inputs.
+#[test]
+fn a_coarse_picture_is_a_part_of_the_whole() {
+    let text =
+        "color = [Noise(p) Du(x) filterwidth(p.x)]\nif pixel.x > 9\n    v = [x pixel.y]\nelse\n    v = x\n";
+    let program = Program::compile(text).unwrap();
+    let image = image();
+    let run = |every, batch| {
+        let outputs = Some(["color", "v", "p"].map(String::from).to_vec());
+        let options = RunOptions { every, batch: Some(batch), outputs, ..RunOptions::default() };
+        program.run(&image, &options).unwrap().image
+    };
+    let whole = run(1, 512);
+    for (every, batch) in [(2, 512), (4, 7), (4, 2048), (20, 512)] {
+        let coarse = run(every, batch);
+        assert_eq!([coarse.width, coarse.height], [WIDTH.div_ceil(every), HEIGHT.div_ceil(every)]);
+        for (part, all) in coarse.variables.iter().zip(&whole.variables) {
+            assert_eq!(part.shape, all.shape);
+            for (part, all) in part.planes.iter().zip(&all.planes) {
+                for (i, x) in part.iter().enumerate() {
+                    let (column, row) = (i % coarse.width * every, i / coarse.width * every);
+                    assert_eq!(x.to_bits(), all[row * WIDTH + column].to_bits(), "{every} {column} {row}");
+                }
+            }
+        }
+    }
+    // An error is told at its own pixel.
+    let program =
+        Program::compile("if pixel.x > 9 && pixel.y > 5\n    color = [1 2][7]\nelse\n    color = 1\n")
+            .unwrap();
+    let error = program.run(&image, &RunOptions { every: 4, ..RunOptions::default() }).unwrap_err();
+    assert_eq!(error.diagnostics[0].pixel, Some([12, 8]));
+}
+
 /// The threads above share one chunk of a small image; here there are many.
 #[test]
 fn two_threads_equal_one_on_a_large_image() {
