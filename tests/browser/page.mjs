@@ -27,7 +27,8 @@ export class Preview {
   static async start(text, ...args) {
     const preview = new Preview();
     preview.folder = mkdtempSync(join(tmpdir(), "pse-view-"));
-    preview.file = join(preview.folder, "program.pse");
+    preview.name = "program.pse";
+    preview.file = join(preview.folder, preview.name);
     preview.args = args;
     preview.port = await freePort();
     writeFileSync(preview.file, text);
@@ -37,7 +38,7 @@ export class Preview {
 
   async run() {
     const env = { ...process.env, XDG_STATE_HOME: this.folder };
-    this.process = spawn(pse, ["view", this.file, "--port", String(this.port), ...this.args], { env });
+    this.process = spawn(pse, ["view", this.name, "--port", String(this.port), ...this.args], { cwd: this.folder, env });
     this.process.stderr.pipe(process.stderr);
     this.address = await new Promise((done, fail) => {
       this.process.stdout.once("data", (line) => done(String(line).trim()));
@@ -67,8 +68,8 @@ export class Preview {
 
   /** What `pse trace` tells of a pixel. */
   trace([x, y]) {
-    const args = ["trace", this.file, "--pixel", `${x},${y}`, "--calls", "--json", ...this.args];
-    return JSON.parse(execFileSync(pse, args, { maxBuffer: 1 << 28 }));
+    const args = ["trace", this.name, "--pixel", `${x},${y}`, "--calls", "--json", ...this.args];
+    return JSON.parse(execFileSync(pse, args, { cwd: this.folder, maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "ignore"] }));
   }
 }
 

@@ -233,7 +233,7 @@ if (pictures) {
     await click(page, 320, 126);
     await page.locator("#probe").waitFor();
     await page.waitForTimeout(300);
-    await page.screenshot({ path: join(pictures, `${name}.png`) });
+    await page.screenshot({ path: join(pictures, `${name}.jpg`), type: "jpeg", quality: 88 });
     await page.close();
   }
   await preview.end();
