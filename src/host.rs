@@ -142,7 +142,7 @@ pub(crate) fn clean(path: &Path) -> PathBuf {
 }
 
 /// The same from the root of the disk.
-fn absolute(path: &Path) -> PathBuf {
+pub(crate) fn absolute(path: &Path) -> PathBuf {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     clean(&std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()))
 }

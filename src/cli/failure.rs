@@ -46,6 +46,11 @@ impl Failure {
         self
     }
 
+    /// Is it the fault of what is worked on, so that it may go better with the next frame?
+    pub fn is_of_frame(&self) -> bool {
+        matches!(self, Failure::Program(_) | Failure::Plain(_))
+    }
+
     /// What it says, without colours.
     pub fn message(&self) -> String {
         let text = match self {

@@ -13,6 +13,8 @@ mod frames;
 mod info;
 mod input;
 mod interrupt;
+mod job;
+mod join;
 mod lsp;
 mod noise;
 mod output;
@@ -25,6 +27,7 @@ mod scene;
 mod source;
 mod state;
 mod stats;
+mod tiles;
 mod trace;
 mod view;
 
@@ -39,6 +42,7 @@ Examples:
   pse view marble.pse --open                   see it in the browser while you write it
   pse repl --scene vase                        try things out line by line
   pse trace marble.pse --pixel 320,200         what happens at a pixel, step by step
+  pse job fire.pse --frames 1-100 -o fire.job  a bundle for a render farm
   pse scene --list                             the built-in G-buffers
   pse info gbuffer.exr                         what is in a file, and what programs call it
   pse noise -o noise.png                       the kinds of noise, with their spectra
@@ -64,6 +68,10 @@ enum Command {
     Repl(repl::ReplArgs),
     /// Tell all that happens at one pixel: assignments, branches, calls, and where NaN comes from
     Trace(Box<trace::TraceArgs>),
+    /// Put a run of many frames or tiles into a bundle for a render farm
+    Job(Box<job::JobArgs>),
+    /// Join the tiles of a picture
+    Join(join::JoinArgs),
     /// Write the G-buffer of a built-in scene, or list the scenes
     Scene(scene::SceneArgs),
     /// Show the kinds of noise, with their spectra, or tell about them
@@ -91,6 +99,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::View(args)) => view::view(&args),
         Some(Command::Repl(args)) => repl::repl(&args),
         Some(Command::Trace(args)) => trace::trace(&args),
+        Some(Command::Job(args)) => job::job(&args),
+        Some(Command::Join(args)) => join::join(&args),
         Some(Command::Scene(args)) => scene::scene(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Info(args)) => info::info(&args),

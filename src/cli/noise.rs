@@ -7,7 +7,7 @@ mod sheet;
 
 use super::failure::{Failure, print, warn};
 use super::output;
-use super::progress::Bar;
+use super::progress::{Meter, Style};
 use crate::image::{self, WriteOptions};
 use crate::noise::{KINDS, Kind, reference};
 use clap::Args;
@@ -78,9 +78,9 @@ pub(super) fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     };
     let path = args.output.clone().unwrap_or_else(|| "noise.png".into());
     output::check(&path)?;
-    let bar = Bar::new("noise", args.quiet);
-    let image = sheet::draw(&rows, usize::from(args.size), |progress| bar.update(progress));
-    bar.clear();
+    let meter = Meter::new("noise", Style::Bar, args.quiet, 1);
+    let image = sheet::draw(&rows, usize::from(args.size), |progress| meter.update(progress));
+    meter.frame();
     image::write(&path, &image?, &WriteOptions::default())?;
     if !args.quiet {
         let n = rows.len();

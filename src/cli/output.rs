@@ -1,6 +1,6 @@
 //! The files that come out: whether they can be written, and what of a run goes into them.
 
-use super::failure::Failure;
+use super::failure::{Failure, why};
 use crate::image::{Format, Image};
 use crate::program::Program;
 use crate::shape::Shape;
@@ -28,6 +28,13 @@ pub(super) fn check(path: &Path) -> Result<Format, Failure> {
         return Err(Failure::plain(message).hint(format!("Make it first: mkdir -p '{folder}'.")));
     }
     Ok(format)
+}
+
+/// Makes the folder that a file is to lie in.
+pub(super) fn make_folder(path: &Path) -> Result<(), Failure> {
+    let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) else { return Ok(()) };
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Failure::plain(format!("cannot make the folder `{}`: {}", folder.display(), why(&e))))
 }
 
 /// What messages call it.

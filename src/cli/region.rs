@@ -10,10 +10,10 @@ use std::str::FromStr;
 /// Pixels of the display window: from `x0`, `y0` up to but not including `x1`, `y1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Region {
-    x0: i64,
-    y0: i64,
-    x1: i64,
-    y1: i64,
+    pub x0: i64,
+    pub y0: i64,
+    pub x1: i64,
+    pub y1: i64,
 }
 
 impl FromStr for Region {
@@ -60,7 +60,7 @@ impl Region {
     }
 
     /// What both have; `None` if that is nothing.
-    fn and(self, other: Region) -> Option<Region> {
+    pub fn and(self, other: Region) -> Option<Region> {
         let both = Region {
             x0: self.x0.max(other.x0),
             y0: self.y0.max(other.y0),
@@ -68,6 +68,11 @@ impl Region {
             y1: self.y1.min(other.y1),
         };
         (both.x0 < both.x1 && both.y0 < both.y1).then_some(both)
+    }
+
+    /// How many pixels there are in it.
+    pub fn area(self) -> i64 {
+        (self.x1 - self.x0) * (self.y1 - self.y0)
     }
 
     /// The same with so many more pixels on each side.

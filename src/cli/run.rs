@@ -1,26 +1,30 @@
 //! `pse run`: a program at every pixel of an image.
 
 mod args;
+mod digest;
 mod input;
 mod plan;
 mod profile;
+mod resume;
 mod stream;
 
-pub(super) use args::{LimitArgs, RunArgs};
-pub(super) use plan::{DEFAULT_SCENE, frame, reading, scene, set, space};
+pub(super) use args::{LimitArgs, RunArgs, bits, positive};
+pub(super) use plan::{DEFAULT_SCENE, Plan, frame, reading, scene, set, space};
 
-use super::failure::{Failure, show, warn};
+use super::failure::{Failure, print, show, warn};
+use super::frames;
 use super::interrupt::{self, CANCEL};
 use super::output;
 use super::prints::Shown;
-use super::progress::Bar;
+use super::progress::Meter;
 use super::region::Region;
 use crate::diagnostic::Diagnostic;
 use crate::eval::{BATCH, Places, Resample};
 use crate::image::Image;
 use crate::program::{Progress, RunOptions};
 use input::FrameInput;
-use plan::{Output, Plan};
+use plan::{Frame, Output};
+use resume::Hashes;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -30,138 +34,228 @@ use stream::Outcome;
 pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     interrupt::watch(true);
     let plan = Plan::new(args)?;
-    let moving = args.input.iter().any(|i| super::frames::has_pattern(&i.path));
-    // What is run several times is read once.
-    let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving;
-    let mut kept: Option<FrameInput> = None;
-    let mut prints = Shown::new(if args.quiet { 0 } else { args.print });
+    let meter = Meter::new(&plan.name, args.progress, args.quiet, plan.frames.len());
+    let mut work = Work {
+        args,
+        plan: &plan,
+        meter: &meter,
+        kept: None,
+        hashes: Hashes::default(),
+        prints: Shown::new(if args.quiet { 0 } else { args.print }),
+        first: true,
+    };
+    let mut failed = Vec::new();
+    let mut skipped = 0;
     for &frame in &plan.frames {
+        match work.frame(frame) {
+            Ok(Done::Run) => meter.frame(),
+            Ok(Done::Skipped) => {
+                meter.skip();
+                skipped += 1;
+            }
+            Err(failure) => {
+                meter.frame();
+                let go_on = args.keep_going && failure.is_of_frame();
+                let Some(number) = frame.number.filter(|_| go_on) else {
+                    meter.fail(&failure.message());
+                    return Err(failure);
+                };
+                failure.report();
+                warn(&format!("frame {number} failed; the others go on"));
+                failed.push(number);
+            }
+        }
+    }
+    work.prints.end();
+    let all = plan.frames.len();
+    if skipped > 0 && !args.quiet {
+        warn(&format!("{skipped} of {all} frames were there already"));
+    }
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let list = frames::ranges(&failed, "x");
+    let failure = Failure::plain(format!("{} of {all} frames failed: {list}", failed.len()))
+        .hint(format!("Run them again with --frames {list}."));
+    meter.fail(&failure.message());
+    Err(failure)
+}
+
+/// What became of a frame that did not fail.
+enum Done {
+    Run,
+    /// Its files were there already.
+    Skipped,
+}
+
+/// A run on its way from frame to frame.
+struct Work<'a> {
+    args: &'a RunArgs,
+    plan: &'a Plan,
+    meter: &'a Meter,
+    /// The input, if it is the same for all frames.
+    kept: Option<FrameInput>,
+    hashes: Hashes,
+    prints: Shown,
+    /// Has no frame been run yet?
+    first: bool,
+}
+
+impl Work<'_> {
+    fn frame(&mut self, frame: Frame) -> Result<Done, Failure> {
+        let Work { args, plan, .. } = *self;
         // What cannot be written is said before the work.
         let outputs = plan.outputs(args, frame.number)?;
+        let stamp = match args.resume {
+            true => self.hashes.of_frame(args, plan, frame)?,
+            false => None,
+        };
+        if stamp.as_ref().is_some_and(|stamp| resume::is_done(&outputs, stamp)) {
+            return Ok(Done::Skipped);
+        }
         let start = Instant::now();
-        let first = kept.is_none();
-        let input = match kept.take().filter(|_| !moving) {
+        let moving = args.input.iter().any(|i| frames::has_pattern(&i.path));
+        let input = match self.kept.take() {
             Some(input) => input,
-            None => FrameInput::open(args, &plan, frame.number, keep)?,
+            None => {
+                // What is run several times is read once.
+                let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving;
+                FrameInput::open(args, plan, frame.number, keep)?
+            }
         };
         let opened = start.elapsed();
-        let mut outcome = compute(args, &plan, &input, &outputs, frame.value, prints.wanted())?;
+        let job = Job { args, plan, input: &input, outputs: &outputs, stamp: stamp.as_deref() };
+        let mut outcome = job.compute(self.meter, frame.value, self.prints.wanted())?;
         outcome.stats.read += opened;
         outcome.stats.wall += opened;
-        if plan.by_default && first && !args.quiet {
+        if std::mem::take(&mut self.first) && !args.quiet {
+            self.tell_once(&outputs);
+        }
+        let number = frame.number.filter(|_| plan.frames.len() > 1);
+        self.prints.frame(&outcome.prints, plan.program.sources(), number);
+        job.tell(&outcome, number)?;
+        self.kept = Some(input).filter(|_| !moving);
+        Ok(Done::Run)
+    }
+
+    /// Says what holds for all frames.
+    fn tell_once(&self, outputs: &[Output]) {
+        if self.plan.by_default {
             let scene = plan::DEFAULT_SCENE;
             warn(&format!("no input: this is the scene {scene} (see pse scene --list, or give -i FILE)"));
         }
-        let number = frame.number.filter(|_| plan.frames.len() > 1);
-        prints.frame(&outcome.prints, plan.program.sources(), number);
-        tell(args, &plan, &input, &outputs, &outcome)?;
-        kept = Some(input);
-    }
-    prints.end();
-    Ok(())
-}
-
-/// Runs a frame, and shows how far it has come.
-fn compute(
-    args: &RunArgs,
-    plan: &Plan,
-    input: &FrameInput,
-    outputs: &[Output],
-    frame: f32,
-    prints: usize,
-) -> Result<Outcome, Failure> {
-    let bar = Bar::new(&plan.name, args.quiet);
-    let about = input.about()?;
-    let done = AtomicUsize::new(0);
-    let progress = |p: Progress| {
-        let done = done.load(Ordering::Relaxed) + p.done;
-        bar.update(Progress { done, total: about.width * about.height });
-    };
-    let inputs = Arc::clone(&input.inputs);
-    let scene = plan.scene.as_ref().map(|name| format!("The scene {name} has {}.", input.names));
-    let missing = move |name: &str| match &scene {
-        Some(scene) if !name.contains('.') => vec![scene.clone()],
-        _ => inputs.missing(name),
-    };
-    let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
-    // What is set may depend on the frame.
-    let (set, spaces) = plan::values(args, frame)?;
-    let options = RunOptions {
-        samples: args.sampling(),
-        resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
-        frame,
-        set,
-        pixelsize: args.pixelsize,
-        spaces,
-        outputs: plan.vars.clone(),
-        threads: args.threads,
-        batch: args.batch,
-        every: 1,
-        isa: Some(plan.isa),
-        no_optimize: args.no_optimize,
-        profile: args.profile,
-        limits: args.limits.limits(),
-        prints,
-        print_columns: Some(about.metadata.origin[0]..about.metadata.origin[0] + about.width as i32),
-        texture_memory: Some(args.limits.textures()),
-        cancel: Some(&CANCEL),
-        progress: Some(&progress),
-        missing: Some(&missing),
-    };
-    let outcome = stream::run(args, plan, input, outputs, &options, &done);
-    bar.clear();
-    let mut outcome = outcome?;
-    outcome.stats.samples = args.samples.unwrap_or(1);
-    outcome.stats.batch = args.batch.unwrap_or(BATCH);
-    outcome.stats.isa = plan.isa.name();
-    Ok(outcome)
-}
-
-/// Says what was done.
-fn tell(
-    args: &RunArgs,
-    plan: &Plan,
-    input: &FrameInput,
-    outputs: &[Output],
-    outcome: &Outcome,
-) -> Result<(), Failure> {
-    let stats = &outcome.stats;
-    if !args.quiet {
-        if outcome.by_normal {
-            let note = Diagnostic::bare("normal", "the program assigns no color")
-                .hint("The picture shows the surface in white by the normal that the program gave it.")
-                .warning();
-            show(&note);
-        }
-        let about = input.about()?;
-        let region = match args.region {
-            Some(_) => format!(" at {}", Region::held(&about)),
-            None => String::new(),
-        };
-        for output in outputs {
+        if let Some(output) = outputs.iter().find(|o| self.args.resume && !o.format.holds_stamp()) {
+            let shown = output::shown(&output.path);
             warn(&format!(
-                "wrote {} ({}x{}{region}) in {:.3} s, {:.1} Mpixels/s",
-                output::shown(&output.path),
-                about.width,
-                about.height,
-                stats.wall.as_secs_f64(),
-                stats.rate(),
+                "--resume: {shown} cannot hold the hash of its run, as .exr and .png files can, so it is written each time"
             ));
         }
-        if stats.not_finite > 0 {
-            let n = stats.not_finite;
-            let (s, hold) = if n == 1 { ("", "holds") } else { ("s", "hold") };
-            warn(&format!("{n} pixel{s} {hold} NaN or infinity"));
+    }
+}
+
+/// A frame, its input and its outputs.
+struct Job<'a> {
+    args: &'a RunArgs,
+    plan: &'a Plan,
+    input: &'a FrameInput,
+    outputs: &'a [Output],
+    /// The hash that goes into the outputs' headers.
+    stamp: Option<&'a str>,
+}
+
+impl Job<'_> {
+    /// Runs the frame, and tells how far it has come.
+    fn compute(&self, meter: &Meter, frame: f32, prints: usize) -> Result<Outcome, Failure> {
+        let Job { args, plan, input, outputs, stamp } = *self;
+        let about = input.about()?;
+        let done = AtomicUsize::new(0);
+        let progress = |p: Progress| {
+            let done = done.load(Ordering::Relaxed) + p.done;
+            meter.update(Progress { done, total: about.width * about.height });
+        };
+        let inputs = Arc::clone(&input.inputs);
+        let scene = plan.scene.as_ref().map(|name| format!("The scene {name} has {}.", input.names));
+        let missing = move |name: &str| match &scene {
+            Some(scene) if !name.contains('.') => vec![scene.clone()],
+            _ => inputs.missing(name),
+        };
+        let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
+        // What is set may depend on the frame.
+        let (set, spaces) = plan::values(args, frame)?;
+        let options = RunOptions {
+            samples: args.sampling(),
+            resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
+            frame,
+            set,
+            pixelsize: args.pixelsize,
+            spaces,
+            outputs: plan.vars.clone(),
+            threads: args.threads,
+            batch: args.batch,
+            every: 1,
+            isa: Some(plan.isa),
+            no_optimize: args.no_optimize,
+            profile: args.profile,
+            limits: args.limits.limits(),
+            prints,
+            print_columns: Some(about.metadata.origin[0]..about.metadata.origin[0] + about.width as i32),
+            texture_memory: Some(args.limits.textures()),
+            cancel: Some(&CANCEL),
+            progress: Some(&progress),
+            missing: Some(&missing),
+        };
+        let mut outcome = stream::run(args, plan, input, outputs, stamp, &options, &done)?;
+        outcome.stats.samples = args.samples.unwrap_or(1);
+        outcome.stats.batch = args.batch.unwrap_or(BATCH);
+        outcome.stats.isa = plan.isa.name();
+        Ok(outcome)
+    }
+
+    /// Says what was done.
+    fn tell(&self, outcome: &Outcome, frame: Option<i64>) -> Result<(), Failure> {
+        let Job { args, plan, input, outputs, .. } = *self;
+        if let Some(digest) = &outcome.digest {
+            let frame = frame.map_or(String::new(), |n| format!(" frame {n}"));
+            print(&format!("{digest}  {}{frame}\n", plan.name))?;
         }
+        let stats = &outcome.stats;
+        if !args.quiet {
+            if outcome.by_normal {
+                let note = Diagnostic::bare("normal", "the program assigns no color")
+                    .hint("The picture shows the surface in white by the normal that the program gave it.")
+                    .warning();
+                show(&note);
+            }
+            let about = input.about()?;
+            let region = match input.region {
+                Some(_) => format!(" at {}", Region::held(&about)),
+                None => String::new(),
+            };
+            for output in outputs {
+                warn(&format!(
+                    "wrote {} ({}x{}{region}) in {:.3} s, {:.1} Mpixels/s",
+                    output::shown(&output.path),
+                    about.width,
+                    about.height,
+                    stats.wall.as_secs_f64(),
+                    stats.rate(),
+                ));
+            }
+            if stats.not_finite > 0 {
+                let n = stats.not_finite;
+                let (s, hold) = if n == 1 { ("", "holds") } else { ("s", "hold") };
+                warn(&format!("{n} pixel{s} {hold} NaN or infinity"));
+            }
+        }
+        if args.stats {
+            stats.print();
+        }
+        if let Some(profile) = &outcome.profile {
+            profile::print(profile, plan.program.sources(), stats.pixels);
+        }
+        if let Some(n) = args.repeat {
+            warn(&format!("{}: {:.2} ns/pixel, the median of {n} runs", plan.name, stats.per_pixel()));
+        }
+        Ok(())
     }
-    if args.stats {
-        stats.print();
-    }
-    if let Some(profile) = &outcome.profile {
-        profile::print(profile, plan.program.sources(), stats.pixels);
-    }
-    if let Some(n) = args.repeat {
-        warn(&format!("{}: {:.2} ns/pixel, the median of {n} runs", plan.name, stats.per_pixel()));
-    }
-    Ok(())
 }

@@ -3,7 +3,7 @@
 use super::failure::{Failure, print, warn};
 use super::interrupt;
 use super::output;
-use super::progress::Bar;
+use super::progress::{Meter, Style};
 use super::region::bands;
 use crate::image::{WriteOptions, Writer};
 use crate::program::Progress;
@@ -106,18 +106,18 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     let renderer = args.view.renderer(name)?;
     let [width, height] = renderer.size();
     let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
-    let bar = Bar::new(name, args.quiet);
+    let meter = Meter::new(name, Style::Bar, args.quiet, 1);
     interrupt::watch(true);
     for rows in bands(width, 0..height) {
         let done = rows.end * width;
         writer.rows(&renderer.rows(rows)?)?;
-        bar.update(Progress { done, total: width * height });
+        meter.update(Progress { done, total: width * height });
         if interrupt::CANCEL.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted);
         }
     }
     writer.finish()?;
-    bar.clear();
+    meter.frame();
     if !args.quiet {
         warn(&format!("wrote {} ({width}x{height})", output::shown(&path)));
     }

@@ -18,6 +18,7 @@ mod rows;
 mod scan_exr;
 mod sequence;
 mod source;
+mod stamp;
 mod write;
 mod write_exr;
 mod write_raster;
@@ -33,6 +34,7 @@ pub use info::{ChannelInfo, Info, PartInfo, info};
 pub use rows::Rows;
 pub use sequence::{fill, has_pattern};
 pub use source::Input;
+pub use stamp::is_whole;
 pub use write::{Compression, Format, WriteOptions, Writer, encode, write};
 
 mod build;

@@ -119,8 +119,8 @@ impl Exr {
     }
 }
 
-/// Header attributes that say how a file is laid out, not what the picture is.
-const STRUCTURE: [&str; 19] = [
+/// Header attributes that say how a file is laid out or which run it comes from, not what the picture is.
+const STRUCTURE: [&str; 20] = [
     "BlenderMultiChannel",
     "channels",
     "chunkCount",
@@ -136,6 +136,7 @@ const STRUCTURE: [&str; 19] = [
     "originalDataWindow",
     "pixelAspectRatio",
     "preview",
+    super::stamp::NAME,
     "tiles",
     "type",
     "version",

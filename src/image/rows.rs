@@ -45,6 +45,24 @@ impl File {
             found.channels.iter().for_each(|&c| wanted[c] = true);
             variables.push((name.to_string(), found.shape.clone(), found.channels.clone()));
         }
+        self.rows_of(variables, wanted)
+    }
+
+    /// Prepares to read all channels, each as a scalar under its full name, whatever programs would call it.
+    ///
+    /// # Errors
+    /// If the file cannot be opened.
+    pub fn channel_rows(&self) -> Result<Rows<'_>, ImageError> {
+        let variables = self.channels.iter().enumerate();
+        let variables = variables.map(|(i, c)| (c.name.clone(), Shape::Scalar, vec![i])).collect();
+        self.rows_of(variables, vec![true; self.channels.len()])
+    }
+
+    fn rows_of(
+        &self,
+        variables: Vec<(String, Shape, Vec<usize>)>,
+        wanted: Vec<bool>,
+    ) -> Result<Rows<'_>, ImageError> {
         let pixels = match &self.source {
             Source::Exr(exr) => Decoded::Exr(Scan::new(exr, &self.input, &self.channels, &wanted)?),
             Source::Raster(_) => Decoded::Whole(false),

@@ -98,6 +98,8 @@ pub struct WriteOptions {
     /// Formats with whole numbers: write `color` as it is, 0..1, with no sRGB encoding and no
     /// un-premultiplication.
     pub raw: bool,
+    /// EXR and PNG: a word for the header that says which run the file comes from; see [`is_whole`](super::is_whole).
+    pub stamp: Option<String>,
 }
 
 impl Default for WriteOptions {
@@ -109,6 +111,7 @@ impl Default for WriteOptions {
             bits: None,
             quality: 92,
             raw: false,
+            stamp: None,
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use super::error::ImageError;
 use super::names::{identifier, last_field};
+use super::stamp::NAME;
 use super::write::{Compression, WriteOptions, unwritable};
 use super::{Image, Variable};
 use crate::shape::Shape;
@@ -54,8 +55,9 @@ impl ExrWriter {
         let crypto = cryptomattes(first);
         let mut channels = Vec::new();
         for (index, variable) in first.variables.iter().enumerate() {
-            let is_crypto = crypto.iter().any(|c| c.has(&variable.name));
-            let exact = is_crypto || matches!(variable.name.as_str(), "surface" | "point" | "depth");
+            let owner = owner(variable);
+            let is_crypto = crypto.iter().any(|c| c.has(owner));
+            let exact = is_crypto || matches!(owner, "surface" | "point" | "depth");
             if has_empty(&variable.shape) {
                 let why = format!("`{}` holds an empty vector, which has no channels", variable.name);
                 return Err(unwritable(name, why));
@@ -76,7 +78,11 @@ impl ExrWriter {
             return Err(unwritable(name, why).hint("Rename one of them, or leave it out."));
         }
         let header = header(name, first, height, &channels, options.compression)?;
-        let attributes = attributes(first, &header, &crypto);
+        let mut attributes = attributes(first, &header, &crypto);
+        if let Some(stamp) = options.stamp.as_deref().and_then(Text::new_or_none) {
+            attributes.push((NAME.into(), AttributeValue::Text(stamp)));
+            attributes.sort_by(|a, b| a.0.as_bytes().cmp(b.0.as_bytes()));
+        }
         let long = |text: &str| text.len() > 31;
         let attribute_long = attributes.iter().any(|(n, v)| long(n) || v.kind_name().len() > 31);
         let too_long =
@@ -192,6 +198,14 @@ fn channel_names(variable: &Variable<'_>, crypto: bool) -> Vec<String> {
             number(name, shape, &mut names);
             names
         }
+    }
+}
+
+/// The variable's name. A scalar may be a channel of another one, when a file's channels are written as they are.
+fn owner<'v>(variable: &'v Variable<'_>) -> &'v str {
+    match variable.name.rsplit_once('.') {
+        Some((owner, letter)) if variable.shape.is_scalar() && letter.len() == 1 => owner,
+        _ => &variable.name,
     }
 }
 
@@ -323,7 +337,7 @@ fn cryptomattes(image: &Image<'_>) -> Vec<Cryptomatte> {
         let id = name.strip_prefix("cryptomatte/")?.strip_suffix("/name")?.to_string();
         let AttributeValue::Text(text) = value else { return None };
         let mut matte = Cryptomatte { id, layer: identifier(last_field(&text.to_string())), written: false };
-        matte.written = image.variables.iter().any(|v| matte.has(&v.name));
+        matte.written = image.variables.iter().any(|v| matte.has(owner(v)));
         Some(matte)
     };
     image.metadata.attributes.list.iter().filter_map(of).collect()

@@ -6,7 +6,7 @@
 
 use super::error::ImageError;
 use super::write::{Format, WriteOptions, unwritable};
-use super::{Image, color};
+use super::{Image, color, stamp};
 use crate::shape::Shape;
 use ::image::codecs::{bmp, hdr, jpeg, png, tga, tiff, webp};
 use ::image::{ExtendedColorType, ImageEncoder, ImageResult, Rgb};
@@ -73,7 +73,10 @@ pub(crate) fn encode(
         }
     };
     done.map_err(|e| unwritable(name, e))?;
-    Ok(out.into_inner())
+    match &options.stamp {
+        Some(stamp) if format == Format::Png => Ok(stamp::into_png(out.into_inner(), stamp)),
+        _ => Ok(out.into_inner()),
+    }
 }
 
 /// The picture, and the bits of a component; or why the format cannot hold it.

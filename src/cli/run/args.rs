@@ -1,12 +1,15 @@
 //! The arguments of `pse run`.
 
+use crate::cli::failure::Failure;
 use crate::cli::frames::Frames;
 use crate::cli::input::{InputArg, MapArg};
+use crate::cli::progress::Style;
 use crate::cli::region::Region;
 use crate::cli::scene::ViewArgs;
 use crate::cli::source::ProgramArgs;
+use crate::cli::tiles::Tile;
 use crate::eval::TEXTURE_MEMORY;
-use crate::image::WriteOptions;
+use crate::image::{Image, WriteOptions};
 use crate::program::{Filter, Limits, Sampling};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -18,6 +21,9 @@ Examples:
   pse run -e 'n = Noise(8 * point)' -e 'white * n' --scene vase --size 480x640
   pse run marble.pse --set veins=6 --set tint='[1 0.8 0.6]'
   pse run fire.pse -i fg.####.exr -i bg=sky.png -o fire.####.png --frames 1-24
+  pse run fire.pse -o fire.####.png --frames 1-1000 --resume --keep-going
+  pse run marble.pse --tile 3/4x4 -o 'marble.{tile}.exr'    one of 16 tiles, for pse join
+  pse run marble.pse --hash                                 a digest of the pixels, and no file
   pse run a.pse -i g.exr -o - | pse run b.pse -i - -o b.png
 
 Pictures (.png .jpg .tif .hdr .bmp .tga .webp) show color. Of a program that assigns none, they show the one \
@@ -58,14 +64,24 @@ pub(in crate::cli) struct RunArgs {
     #[arg(
         long,
         value_name = "N",
-        help_heading = "Input",
+        help_heading = "Frames",
         conflicts_with = "frames",
         allow_negative_numbers = true
     )]
     pub frame: Option<f32>,
-    /// Several frames: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
-    #[arg(long, value_name = "LIST", help_heading = "Input")]
+    /// Several frames: 1-24, 1,5,9 or 1-20x2 (1-20:2 is the same). Names may hold the number as ####, @@@@, %d or %04d
+    #[arg(long, value_name = "LIST", help_heading = "Frames")]
     pub frames: Option<Frames>,
+    /// Leave out frames whose files are there, whole, and of the same run: a hash of program, inputs and options stands
+    /// in the header of .exr and .png files that were written with --resume
+    #[arg(long, help_heading = "Frames")]
+    pub resume: bool,
+    /// Go on with the next frame after one that fails, and name those that failed at the end
+    #[arg(long, help_heading = "Frames")]
+    pub keep_going: bool,
+    /// How progress is told
+    #[arg(long, value_enum, default_value_t, value_name = "STYLE", help_heading = "Frames")]
+    pub progress: Style,
 
     #[command(flatten)]
     pub view: ViewArgs,
@@ -80,6 +96,15 @@ pub(in crate::cli) struct RunArgs {
     /// Compute only these pixels: x0,y0,x1,y1 (x1 and y1 are one past the last) or WxH+X+Y
     #[arg(long, value_name = "REGION", help_heading = "Output", allow_hyphen_values = true)]
     pub region: Option<Region>,
+    /// Compute only one tile, as in 3/4x4: the third of four columns and four rows. Names hold its number as {tile}
+    #[arg(long, value_name = "N/CxR", help_heading = "Output", conflicts_with = "region")]
+    pub tile: Option<Tile>,
+    /// Print a digest of the computed numbers, the same on every machine. Writes only to -o
+    #[arg(long, help_heading = "Output")]
+    pub hash: bool,
+    /// Make the folders of the outputs
+    #[arg(long, help_heading = "Output")]
+    pub mkdir: bool,
     /// EXR: 16-bit floats, but for surface, point and depth
     #[arg(long, help_heading = "Output")]
     pub half: bool,
@@ -193,9 +218,18 @@ impl RunArgs {
     pub fn write_options(&self) -> WriteOptions {
         WriteOptions { half: self.half, bits: self.bits, raw: self.raw, ..WriteOptions::default() }
     }
+
+    /// The pixels to compute of an image, if not all.
+    pub fn part(&self, image: &Image<'_>) -> Result<Option<Region>, Failure> {
+        match self.tile {
+            Some(tile) => tile.region(image).map(Some),
+            None => Ok(self.region),
+        }
+    }
 }
 
-fn bits(text: &str) -> Result<u8, String> {
+/// Bits of a component.
+pub(in crate::cli) fn bits(text: &str) -> Result<u8, String> {
     match text {
         "8" => Ok(8),
         "16" => Ok(16),
@@ -204,7 +238,8 @@ fn bits(text: &str) -> Result<u8, String> {
     }
 }
 
-fn positive(text: &str) -> Result<usize, String> {
+/// A whole number from 1 on.
+pub(in crate::cli) fn positive(text: &str) -> Result<usize, String> {
     text.parse()
         .ok()
         .filter(|n| (1..=1 << 16).contains(n))

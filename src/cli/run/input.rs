@@ -23,7 +23,7 @@ pub(super) struct FrameInput {
     pub names: String,
     /// The rows to run.
     rows: Range<usize>,
-    region: Option<Region>,
+    pub region: Option<Region>,
     /// How many pixels about the region, and about a band, the program needs to know.
     around: usize,
     /// Run as one band?
@@ -45,13 +45,14 @@ impl FrameInput {
         let about = reader.about().clone();
         let own: Vec<&str> = reader.names().filter(|n| !n.contains('.')).collect();
         let names = own.join(", ");
-        let rows = match args.region {
+        let region = args.part(&about)?;
+        let rows = match region {
             Some(region) => region.rows(&about)?,
             None => 0..about.height,
         };
         let whole = if kept { Some(reader.read(0..about.height)?) } else { None };
         drop(reader);
-        let (around, one, region) = (plan.around, args.repeat.is_some(), args.region);
+        let (around, one) = (plan.around, args.repeat.is_some());
         let inputs = Arc::new(inputs);
         Ok(FrameInput { inputs, scene, whole, about, names, rows, region, around, one })
     }

@@ -3,8 +3,9 @@
 use super::RunArgs;
 use crate::cli::failure::Failure;
 use crate::cli::input::InputArg;
+use crate::cli::progress::Style;
 use crate::cli::scene::ViewArgs;
-use crate::cli::{frames, output, source};
+use crate::cli::{frames, output, source, tiles};
 use crate::diagnostic::SourceId;
 use crate::eval::MAX_THREADS;
 use crate::image::{Format, Matrix4, same_file};
@@ -36,7 +37,7 @@ pub(super) struct Output {
 }
 
 /// A run.
-pub(super) struct Plan {
+pub(in crate::cli) struct Plan {
     /// The program's name in messages.
     pub name: String,
     /// The program.
@@ -82,6 +83,14 @@ impl Plan {
             let failure = Failure::usage(format!("{} frames cannot all be written to {shown}", frames.len()));
             return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
         }
+        if let (Some(tile), Some(path)) =
+            (args.tile, paths.iter().find(|path| !tiles::has_place(&path.to_string_lossy())))
+        {
+            let shown = output::shown(path);
+            let failure =
+                Failure::usage(format!("the tiles of {} cannot all be written to {shown}", tile.of));
+            return Err(failure.hint("Give a place for the tile's number: -o 'out.{tile}.exr'."));
+        }
         let patterned = |path: &&PathBuf| frames::has_pattern(&path.to_string_lossy());
         if let Some(path) = paths.iter().find(patterned).filter(|_| frames.iter().any(|f| f.number.is_none()))
         {
@@ -90,6 +99,12 @@ impl Plan {
                 "{shown} has a place for the frame's number, and none is given"
             ))
             .hint("Give the frames: --frames 1-24, or --frame 1."));
+        }
+        super::resume::check(args)?;
+        let piped = paths.iter().any(|p| p.as_os_str() == "-");
+        if piped && (args.hash || args.progress == Style::Openjd) {
+            let what = if args.hash { "a digest" } else { "progress" };
+            return Err(Failure::usage(format!("an image and {what} cannot both go to standard output")));
         }
         let (name, text) = args.program.read()?;
         let program = source::compile(&name, &text, &args.program.path)?;
@@ -126,13 +141,20 @@ impl Plan {
     }
 
     /// The files of a frame, each of which can be written and is no input.
-    pub fn outputs(&self, args: &RunArgs, frame: Option<i64>) -> Result<Vec<Output>, Failure> {
+    pub(super) fn outputs(&self, args: &RunArgs, frame: Option<i64>) -> Result<Vec<Output>, Failure> {
         let name = |path: &Path| -> PathBuf {
             frame.map_or_else(|| path.to_path_buf(), |f| frames::fill(&path.to_string_lossy(), f).into())
         };
+        let of_tile = |path: PathBuf| match args.tile {
+            Some(tile) => tiles::fill(&path.to_string_lossy(), tile.number).into(),
+            None => path,
+        };
         let mut outputs: Vec<Output> = Vec::new();
         for path in &self.paths {
-            let path = name(path);
+            let path = of_tile(name(path));
+            if args.mkdir {
+                output::make_folder(&path)?;
+            }
             let format = output::check(&path)?;
             let program = args.program.program.as_deref();
             let mut inputs =
@@ -185,11 +207,14 @@ pub(in crate::cli) fn frame<'n>(
 
 /// The names of the files to write.
 fn paths(args: &RunArgs, frames: usize) -> Vec<PathBuf> {
-    if !args.output.is_empty() || args.repeat.is_some() {
+    if !args.output.is_empty() || args.repeat.is_some() || args.hash {
         return args.output.clone();
     }
     let stem = args.program.stem();
-    vec![if frames > 1 { format!("{stem}.####.png") } else { format!("{stem}.png") }.into()]
+    let frame = if frames > 1 { ".####" } else { "" };
+    // Tiles are joined, which pictures with whole numbers are too late for.
+    let ending = if args.tile.is_some() { ".{tile}.exr" } else { ".png" };
+    vec![format!("{stem}{frame}{ending}").into()]
 }
 
 /// The scene to run on, if any.
@@ -217,7 +242,7 @@ pub(in crate::cli) fn scene(
 }
 
 /// The files that the program looks up in a frame.
-fn textures(program: &Program, frame: Option<i64>) -> impl Iterator<Item = PathBuf> {
+pub(super) fn textures(program: &Program, frame: Option<i64>) -> impl Iterator<Item = PathBuf> {
     let frame = frame.unwrap_or(0) as f32;
     program.resolved().textures.iter().filter_map(move |(source, _)| source.path(frame).ok().flatten())
 }

@@ -1,13 +1,14 @@
 //! Reading, running and writing at the same time: each band of rows goes from one to the next.
 
 use super::RunArgs;
+use super::digest::Digest;
 use super::input::{Band, FrameInput};
 use super::plan::{Output, Plan};
 use crate::cli::failure::Failure;
 use crate::cli::output;
 use crate::cli::stats::Stats;
 use crate::eval::{Prints, Profile};
-use crate::image::{Format, Image, Writer};
+use crate::image::{Format, Image, WriteOptions, Writer};
 use crate::program::{RunOptions, Stream};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -22,6 +23,8 @@ pub(super) struct Outcome {
     /// What was printed, band after band.
     pub prints: Prints,
     pub profile: Option<Profile>,
+    /// Of the numbers that were computed, if it is wanted.
+    pub digest: Option<String>,
 }
 
 /// Runs all bands and writes the outputs. `done` counts the pixels of the bands that are run.
@@ -30,6 +33,7 @@ pub(super) fn run(
     plan: &Plan,
     input: &FrameInput,
     outputs: &[Output],
+    stamp: Option<&str>,
     options: &RunOptions<'_>,
     done: &AtomicUsize,
 ) -> Result<Outcome, Failure> {
@@ -37,7 +41,7 @@ pub(super) fn run(
     let mut stream = plan.program.stream(options);
     loop {
         done.store(0, Ordering::Relaxed);
-        let attempt = Attempt { args, plan, input, outputs, done };
+        let attempt = Attempt { args, plan, input, outputs, stamp, done };
         if let Some(mut outcome) = attempt.run(&mut stream)? {
             outcome.stats.wall = start.elapsed();
             return Ok(outcome);
@@ -52,6 +56,7 @@ struct Attempt<'a> {
     plan: &'a Plan,
     input: &'a FrameInput,
     outputs: &'a [Output],
+    stamp: Option<&'a str>,
     done: &'a AtomicUsize,
 }
 
@@ -71,7 +76,7 @@ impl<'a> Attempt<'a> {
             return Err(Failure::plain("internal error: a thread has ended before its time"));
         };
         // Where writing fails the bands after are not run; the writer says why.
-        let (writers, mut write) = match (written, &ran) {
+        let (writers, digest, mut write) = match (written, &ran) {
             (Err(failure), Ok(_) | Err(None)) => return Err(failure),
             (Ok(written), _) => written,
             (Err(_), Err(Some(_))) => Default::default(),
@@ -85,6 +90,7 @@ impl<'a> Attempt<'a> {
         }
         write += start.elapsed();
         (outcome.stats.read, outcome.stats.write) = (read, write);
+        outcome.digest = digest;
         Ok(Some(outcome))
     }
 
@@ -115,15 +121,24 @@ impl<'a> Attempt<'a> {
     }
 
     /// Writes band after band to all outputs, which are still to be finished.
-    fn write(&self, images: &Receiver<Image<'static>>) -> Result<(Vec<Writer>, Duration), Failure> {
+    fn write(
+        &self,
+        images: &Receiver<Image<'static>>,
+    ) -> Result<(Vec<Writer>, Option<String>, Duration), Failure> {
         let mut took = Duration::ZERO;
         let mut writers = Vec::new();
+        let mut digest: Option<Digest> = None;
+        let options = WriteOptions { stamp: self.stamp.map(String::from), ..self.args.write_options() };
         for image in images {
             let start = Instant::now();
+            if self.args.hash {
+                let height = self.input.about()?.height;
+                digest.get_or_insert_with(|| Digest::new(&image, height)).rows(&image);
+            }
             for (i, output) in self.outputs.iter().enumerate() {
                 if writers.len() == i {
                     let height = self.input.about()?.height;
-                    writers.push(Writer::create(&output.path, height, &self.args.write_options())?);
+                    writers.push(Writer::create(&output.path, height, &options)?);
                 }
                 match &self.plan.shown {
                     Some(name) if output.format != Format::Exr => {
@@ -134,7 +149,7 @@ impl<'a> Attempt<'a> {
             }
             took += start.elapsed();
         }
-        Ok((writers, took))
+        Ok((writers, digest.map(|d| d.finish()), took))
     }
 
     /// Runs band after band. `None` as the failure: the writer has ended.

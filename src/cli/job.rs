@@ -1,0 +1,108 @@
+//! `pse job`: a run of many frames or tiles as an Open Job Description bundle, which render farms execute.
+
+mod files;
+mod template;
+mod words;
+
+use super::failure::{Failure, print, warn, why};
+use super::frames;
+use super::run::Plan;
+use super::tiles::Tiles;
+use crate::image::write_file;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use words::RunWords;
+
+const EXAMPLES: &str = "\
+Examples:
+  pse job fire.pse --frames 1-100 -o fire.job
+  pse job fire.pse --frames 1-1000 --chunk 20 -i fg.####.exr --picture fire.####.png -o fire.job
+  pse job marble.pse --size 8192x8192 --samples 64 --tiles 4x4 --picture marble.png -o marble.job
+  openjd run fire.job/template.json                         run it here, to try it out
+  deadline bundle submit fire.job                           give it to AWS Deadline Cloud
+
+All other options are those of pse run. The bundle has copies of the program, of what it imports and of its textures. \
+Images of -i stay where they are; the folder that they lie in is a parameter of the job.";
+
+/// What to run, in which parts, and where the bundle goes.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct JobArgs {
+    /// The folder of the bundle, which is made if it is not there
+    #[arg(short = 'o', long, value_name = "DIR", help_heading = "Job")]
+    bundle: PathBuf,
+    /// So many frames in one task, through the TASK_CHUNKING extension; one if not given
+    #[arg(long, value_name = "N", value_parser = super::run::positive, requires = "frames", help_heading = "Job")]
+    chunk: Option<usize>,
+    /// Cut each picture into columns and rows of tiles, a task each, and join them in a second step
+    #[arg(long, value_name = "CxR", help_heading = "Job")]
+    tiles: Option<Tiles>,
+    /// The job's name; the program's if not given
+    #[arg(long, value_name = "NAME", help_heading = "Job")]
+    name: Option<String>,
+    #[command(flatten)]
+    run: RunWords,
+}
+
+/// Writes the bundle.
+pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
+    let RunWords { run, words } = &args.run;
+    // What would fail on the farm is told here.
+    let plan = Plan::new(run)?;
+    if run.program.is_stdin() || run.input.iter().any(|i| i.path == "-") {
+        return Err(Failure::usage("a job cannot read standard input: it runs elsewhere, and later")
+            .hint("Give files."));
+    }
+    let pictures = pictures(run.output.clone(), &run.program.stem(), run.frames.is_some())?;
+    let ranges = run.frames.as_ref().map(|frames| frames::ranges(&frames.0, ":"));
+    let files = files::Files::of(run, &plan)?;
+    let template = template::Template {
+        name: args.name.clone().unwrap_or_else(|| run.program.stem()),
+        frames: ranges,
+        chunk: args.chunk,
+        tiles: args.tiles,
+        pictures,
+        words: words.clone(),
+        program: files.program.clone(),
+        lines: run.program.lines.clone(),
+        paths: files.paths(),
+        inputs: template::Inputs::of(&run.input)?,
+    };
+    let text = template.json()?;
+    let make = |folder: &Path| {
+        std::fs::create_dir_all(folder).map_err(|e| {
+            Failure::plain(format!("cannot make the folder `{}`: {}", folder.display(), why(&e)))
+        })
+    };
+    make(&args.bundle.join("output"))?;
+    files.copy(&args.bundle)?;
+    write_file(&args.bundle.join("template.json"), text.as_bytes())?;
+    if let Some(values) = template.inputs.values() {
+        write_file(&args.bundle.join("parameter_values.json"), values.as_bytes())?;
+    }
+    if !run.quiet {
+        let path = args.bundle.join("template.json");
+        warn(&format!("wrote {}, {}", path.display(), template.tasks(run.frames.as_ref())));
+        let values = template.inputs.folders().map(|(name, folder)| format!(" -p {name}='{folder}'"));
+        print(&format!("openjd run {}{}\n", path.display(), values.collect::<String>()))?;
+    }
+    Ok(())
+}
+
+/// The pictures that the job makes, in the folder of its output.
+fn pictures(given: Vec<PathBuf>, stem: &str, several: bool) -> Result<Vec<PathBuf>, Failure> {
+    if given.is_empty() {
+        return Ok(vec![format!("{stem}{}.png", if several { ".####" } else { "" }).into()]);
+    }
+    let outside = |path: &&PathBuf| {
+        path.is_absolute() || path.components().any(|c| !matches!(c, std::path::Component::Normal(_)))
+    };
+    match given.iter().find(outside) {
+        Some(path) => {
+            let shown = path.display();
+            Err(Failure::usage(format!("--picture {shown} does not lie in the folder of the job's output"))
+                .hint("Give a name like fire.####.png. The folder is the job's parameter OutputDir."))
+        }
+        None => Ok(given),
+    }
+}

@@ -1,0 +1,91 @@
+//! The files that a program is made of, copied into a bundle so that it runs anywhere.
+
+use super::super::failure::{Failure, why};
+use super::super::run::{Plan, RunArgs};
+use super::super::source;
+use crate::host::absolute;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The bundle's folder of the program.
+pub(super) const FOLDER: &str = "program";
+
+/// Which files go where. Folders that imports and textures are looked for in keep their order.
+pub(super) struct Files {
+    /// The program's name in its folder; `None` if its lines are given as they are.
+    pub program: Option<String>,
+    /// From the place in the bundle's folder to the file.
+    copies: BTreeMap<PathBuf, PathBuf>,
+    /// How many folders of `--path` there are.
+    folders: usize,
+}
+
+impl Files {
+    /// The program's own text, what it imports, and the images that it looks up in any of the frames.
+    pub fn of(run: &RunArgs, plan: &Plan) -> Result<Files, Failure> {
+        let own = run.program.program.as_deref();
+        let beside = own.and_then(Path::parent).unwrap_or(Path::new(""));
+        let folders = run.program.path.iter().enumerate().map(|(i, path)| (absolute(path), folder(i)));
+        let roots: Vec<(PathBuf, PathBuf)> =
+            std::iter::once((absolute(beside), PathBuf::new())).chain(folders).collect();
+        let mut copies = BTreeMap::new();
+        let moving = plan.program.has_texture_sequence();
+        let frames = if moving { &plan.frames[..] } else { &plan.frames[..1] };
+        for file in frames.iter().flat_map(|frame| plan.program.files(frame.value)) {
+            if own.is_none() && !file.exists() {
+                // The lines themselves.
+                continue;
+            }
+            let whole = absolute(&file);
+            // It is found in the first of several folders, but may be so called from any.
+            let places: Vec<PathBuf> = roots
+                .iter()
+                .filter_map(|(root, place)| Some(place.join(whole.strip_prefix(root).ok()?)))
+                .collect();
+            if places.is_empty() {
+                let shown = file.display();
+                return Err(Failure::plain(format!("`{shown}` lies in no folder of the program"))
+                    .hint("A bundle has what lies beside the program, below it, and in the folders of --path. Name its folder with --path."));
+            }
+            copies.extend(places.into_iter().map(|place| (place, file.clone())));
+        }
+        let program = own.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        Ok(Files { program, copies, folders: run.program.path.len() })
+    }
+
+    /// The folders of `--path`, below the bundle's folder; its own too, if the program does not lie in it.
+    pub fn paths(&self) -> Vec<String> {
+        let own = self.program.is_none() && !self.copies.is_empty();
+        let folders = (0..self.folders).map(|i| folder(i).display().to_string());
+        own.then(String::new).into_iter().chain(folders).collect()
+    }
+
+    /// Copies them, and looks whether the program is whole there.
+    pub fn copy(&self, bundle: &Path) -> Result<(), Failure> {
+        let folder = bundle.join(FOLDER);
+        let fail = |to: &Path, e: &std::io::Error| {
+            Failure::plain(format!("cannot write `{}`: {}", to.display(), why(e)))
+        };
+        // An empty folder is a folder too: --path names it.
+        let made = (0..self.folders).map(|i| folder.join(self::folder(i))).collect::<Vec<_>>();
+        for (to, from) in &self.copies {
+            let to = folder.join(to);
+            std::fs::create_dir_all(to.parent().unwrap_or(&folder)).map_err(|e| fail(&to, &e))?;
+            std::fs::copy(from, &to).map_err(|e| fail(&to, &e))?;
+        }
+        for path in &made {
+            std::fs::create_dir_all(path).map_err(|e| fail(path, &e))?;
+        }
+        if let Some(name) = &self.program {
+            let path = folder.join(name);
+            let (name, text) = source::read(&path)?;
+            source::compile(&name, &text, &made)?;
+        }
+        Ok(())
+    }
+}
+
+/// The folder in the bundle that stands for one of `--path`.
+fn folder(number: usize) -> PathBuf {
+    format!("path-{}", number + 1).into()
+}
