@@ -8,6 +8,10 @@ use std::path::{Path, PathBuf};
 mod bands;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/frames.rs"]
+mod frames;
+#[path = "cli/job.rs"]
+mod job;
 #[path = "cli/noise.rs"]
 mod noise;
 #[path = "cli/run.rs"]
@@ -16,6 +20,8 @@ mod run;
 mod samples;
 #[path = "cli/textures.rs"]
 mod textures;
+#[path = "cli/tiles.rs"]
+mod tiles;
 #[path = "cli/words.rs"]
 mod words;
 

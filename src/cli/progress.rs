@@ -23,6 +23,15 @@ pub(super) enum Style {
     None,
 }
 
+impl State {
+    /// Takes the bar away.
+    fn clear(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 /// What is told of the progress over all frames of a run, with an estimate of the time that is left.
 pub(super) struct Meter {
     name: String,
@@ -96,17 +105,16 @@ impl Meter {
     pub fn frame(&self) {
         let mut state = self.lock();
         state.done += 1;
-        if let Some(bar) = state.bar.take() {
-            bar.finish_and_clear();
-        }
+        state.clear();
         if self.style == Style::Openjd {
             let share = state.done as f64 / (self.frames - state.skipped).max(1) as f64;
             let _ = print(&format!("openjd_progress: {:.1}\n", 100.0 * share.min(1.0)));
         }
     }
 
-    /// What failed is told to the farm too.
+    /// All ends with a failure, which is told to the farm too.
     pub fn fail(&self, message: &str) {
+        self.lock().clear();
         if self.style == Style::Openjd {
             let line = message.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or("it failed");
             let _ = print(&format!("openjd_fail: {line}\n"));

@@ -54,12 +54,12 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
                 skipped += 1;
             }
             Err(failure) => {
-                meter.frame();
                 let go_on = args.keep_going && failure.is_of_frame();
                 let Some(number) = frame.number.filter(|_| go_on) else {
                     meter.fail(&failure.message());
                     return Err(failure);
                 };
+                meter.frame();
                 failure.report();
                 warn(&format!("frame {number} failed; the others go on"));
                 failed.push(number);

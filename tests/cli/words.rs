@@ -8,9 +8,21 @@ fn help_has_examples() {
     let help = f.good("--help").text;
     assert_eq!(f.good("").text, help);
     assert!(help.contains("Examples:") && help.contains("Exit status"), "{help}");
-    for command in
-        ["run", "repl", "trace", "scene", "noise", "info", "check", "fmt", "doc", "ast", "completions"]
-    {
+    for command in [
+        "run",
+        "job",
+        "join",
+        "repl",
+        "trace",
+        "scene",
+        "noise",
+        "info",
+        "check",
+        "fmt",
+        "doc",
+        "ast",
+        "completions",
+    ] {
         assert!(help.contains(&format!("  {command} ")), "{command}");
         let own = f.good(&format!("help {command}")).text;
         assert!(own.contains("Examples:"), "{own}");
