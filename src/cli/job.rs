@@ -97,6 +97,12 @@ fn pictures(given: Vec<PathBuf>, stem: &str, several: bool) -> Result<Vec<PathBu
     let outside = |path: &&PathBuf| {
         path.is_absolute() || path.components().any(|c| !matches!(c, std::path::Component::Normal(_)))
     };
+    let counted = |path: &&PathBuf| frames::has_pattern(&path.to_string_lossy());
+    if let Some(path) = given.iter().find(counted).filter(|_| !several) {
+        let shown = path.display();
+        return Err(Failure::usage(format!("--picture {shown} has a place for the frame's number"))
+            .hint("Give the frames: --frames 1-24, or --frames 1 for one."));
+    }
     match given.iter().find(outside) {
         Some(path) => {
             let shown = path.display();

@@ -76,11 +76,12 @@ fn what_no_farm_can_run_is_said() {
     let f = Folder::new();
     f.write("p.pse", "color = white\n");
     f.bad(2, "job p.pse", &["--bundle"]);
-    f.bad(1, "job -e whit -o j", &["whit"]);
+    f.bad(1, "job -e color=( -o j", &["never closed"]);
     f.bad(2, "job - -o j", &["standard input"]);
     f.bad(2, "job p.pse -i - -o j", &["standard input"]);
     f.bad(2, "job p.pse --picture ../a.png -o j", &["does not lie in the folder", "OutputDir"]);
     f.bad(2, "job p.pse --frames 1-9 --picture a.png -o j", &["####"]);
+    f.bad(2, "job p.pse --frame 1 --picture a.#.png -o j", &["--frames 1"]);
     f.bad(2, "job p.pse --repeat 3 -o j", &["--repeat", "a job has no use for it"]);
     f.bad(2, "job p.pse --chunk 3 -o j", &["--frames"]);
     f.bad(2, "job p.pse --set a={{b}} -o j", &["{{"]);
@@ -110,7 +111,9 @@ fn run(f: &Folder, bundle: &str, parameters: &[&str]) -> Option<String> {
     assert_eq!(checked.code, 0, "{}{}", checked.text, checked.err);
     let mut command = openjd(f)?;
     command.args(["run", &template, "-p", &format!("Pse={}", env!("CARGO_BIN_EXE_pse"))]);
-    parameters.iter().for_each(|p| drop(command.args(["-p", p])));
+    for parameter in parameters {
+        command.args(["-p", parameter]);
+    }
     let ran = ended(&mut command);
     assert_eq!(ran.code, 0, "{}{}", ran.text, ran.err);
     Some(ran.text)
@@ -121,7 +124,7 @@ fn openjd_runs_bundles_to_the_same_bytes() {
     let f = Folder::new();
     f.write(
         "p.pse",
-        "param a = 0.1\ncolor = white * (a * frame + filterwidth(point).x + fnoise(8 * point))\n",
+        "param a = 0.1\ncolor = white * (a * frame + filterwidth(point).x + Noise(8 * point))\n",
     );
     let frames = "p.pse --size 60x44 --frames 1-7x2,20 --set a=0.2";
     f.good(&format!("run {frames} -o p.##.exr -o p.##.png --bits 16"));

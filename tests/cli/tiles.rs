@@ -5,10 +5,10 @@ use std::fs;
 
 /// It looks at neighbours, so that the edges of tiles matter.
 const PROGRAM: &str = "\
-color = [point.x filterwidth(point).x pixel.y / resolution.y] * (0.5 + fnoise(8 * point))
+color = [point.x filterwidth(point).x pixel.y / resolution.y] * (0.5 + Noise(8 * point))
 alpha = surface > 0 ? 1 : 0.5
 N = normal
-m = rotation([0 0 1], point.x)
+m = rotation(point.x)
 long = [1 2 3 4 5] * Du(point.x)
 ";
 
@@ -56,7 +56,7 @@ fn data_windows_and_headers_stay() {
         f.same_in_tiles([3, 2], &format!("p.pse -i {path} --vars color,z"), "", &[".exr", ".png"]);
     }
     f.good("run -e point --size 90x60 -o g.exr --vars color,depth,point --region 10,5,80,50");
-    f.same_in_tiles([3, 2], "p.pse -i g.exr --vars color,point", "", &[".exr"]);
+    f.same_in_tiles([3, 2], "-e point*Du(depth) -i g.exr --vars color,point,depth", "", &[".exr"]);
 }
 
 #[test]
