@@ -107,8 +107,7 @@ fn a_farm_hears_how_far_a_run_has_come() {
         told,
         "openjd_progress: 25.0\nopenjd_progress: 50.0\nopenjd_progress: 75.0\nopenjd_progress: 100.0\n"
     );
-    let long =
-        "run -e white*fBm(8*point) --size 900x900 --samples 4 -o a.png -q --progress openjd";
+    let long = "run -e white*fBm(8*point) --size 900x900 --samples 4 -o a.png -q --progress openjd";
     let words: Vec<&str> = long.split(' ').collect();
     let ended = f.pse_with(&words, b"");
     assert!(ended.text.ends_with("openjd_progress: 100.0\n"), "{}{}", ended.text, ended.err);
