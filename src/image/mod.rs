@@ -16,10 +16,12 @@ mod read_exr;
 mod read_raster;
 mod rows;
 mod scan_exr;
+mod scan_raster;
 mod sequence;
 mod source;
 mod write;
 mod write_exr;
+mod write_png;
 mod write_raster;
 
 #[cfg(test)]
