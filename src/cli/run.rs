@@ -2,6 +2,7 @@
 
 mod args;
 mod input;
+mod memory;
 mod plan;
 mod profile;
 mod stream;
@@ -18,7 +19,7 @@ use super::region::Region;
 use crate::diagnostic::Diagnostic;
 use crate::eval::{BATCH, Places, Resample};
 use crate::image::Image;
-use crate::program::{Progress, RunOptions};
+use crate::program::{Limits, Progress, RunOptions};
 use input::FrameInput;
 use plan::{Output, Plan};
 use std::sync::Arc;
@@ -28,11 +29,10 @@ use stream::Outcome;
 
 /// Runs the program on each frame.
 pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
-    interrupt::watch(true);
     let plan = Plan::new(args)?;
     let moving = args.input.iter().any(|i| super::frames::has_pattern(&i.path));
     // What is run several times is read once.
-    let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving;
+    let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving && args.memory.is_none();
     let mut kept: Option<FrameInput> = None;
     let mut prints = Shown::new(if args.quiet { 0 } else { args.print });
     for &frame in &plan.frames {
@@ -45,6 +45,10 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
             None => FrameInput::open(args, &plan, frame.number, keep)?,
         };
         let opened = start.elapsed();
+        // From here on there are files to clean up. Before, where standard input may not end, an interrupt ends all.
+        if first {
+            interrupt::watch(true);
+        }
         let mut outcome = compute(args, &plan, &input, &outputs, frame.value, prints.wanted())?;
         outcome.stats.read += opened;
         outcome.stats.wall += opened;
@@ -86,6 +90,8 @@ fn compute(
     let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
     // What is set may depend on the frame.
     let (set, spaces) = plan::values(args, frame)?;
+    let threads = args.threads.unwrap_or_else(rayon::current_num_threads);
+    let (textures, values) = memory::shares(args, threads);
     let options = RunOptions {
         samples: args.sampling(),
         resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
@@ -100,10 +106,10 @@ fn compute(
         isa: Some(plan.isa),
         no_optimize: args.no_optimize,
         profile: args.profile,
-        limits: args.limits.limits(),
+        limits: Limits { memory: values, ..args.limits.limits() },
         prints,
         print_columns: Some(about.metadata.origin[0]..about.metadata.origin[0] + about.width as i32),
-        texture_memory: Some(args.limits.textures()),
+        texture_memory: Some(textures),
         cancel: Some(&CANCEL),
         progress: Some(&progress),
         missing: Some(&missing),
