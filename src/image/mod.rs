@@ -16,17 +16,20 @@ mod read_exr;
 mod read_raster;
 mod rows;
 mod scan_exr;
+mod scan_raster;
 mod sequence;
 mod source;
 mod stamp;
 mod write;
 mod write_exr;
+mod write_png;
 mod write_raster;
 
 #[cfg(test)]
 mod tests;
 
-pub use atomic::{NewFile, same_file, write_file};
+pub(crate) use atomic::temporary_folder;
+pub use atomic::{NewFile, check_target, same_file, write_file};
 pub use bind::{Binding, Candidate, Mapping};
 pub use error::{ErrorKind, ImageError};
 pub use file::{Channel, File, ReadOptions, Samples, read};

@@ -65,16 +65,6 @@ impl File {
     }
 }
 
-/// The same PNG file with the stamp behind its header.
-pub(super) fn into_png(mut bytes: Vec<u8>, stamp: &str) -> Vec<u8> {
-    let chunk = [b"tEXt", NAME.as_bytes(), &[0], stamp.as_bytes()].concat();
-    let length = (chunk.len() - 4) as u32;
-    let checksum = crc32fast::hash(&chunk);
-    let whole = length.to_be_bytes().into_iter().chain(chunk).chain(checksum.to_be_bytes());
-    bytes.splice(PNG_START..PNG_START, whole);
-    bytes
-}
-
 /// The stamp of a PNG file of which these are the first bytes. It is the first chunk behind the header, or it is not
 /// one of ours.
 fn from_png(start: &[u8]) -> Option<String> {
