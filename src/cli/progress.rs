@@ -71,9 +71,10 @@ impl Meter {
         let frames = self.frames - state.skipped;
         let part = progress.done as f64 / progress.total.max(1) as f64;
         let share = ((state.done as f64 + part) / frames.max(1) as f64).min(1.0);
-        let message = match share > 0.0 {
+        // The first pixels say little of the others: they also wait for all that is made once.
+        let message = match share > 0.01 {
             true => format!("{}{} left", self.which(&state), shown(elapsed.mul_f64((1.0 - share) / share))),
-            false => self.which(&state),
+            false => self.which(&state) + "begun",
         };
         if self.style == Style::Openjd {
             if state.told.is_none_or(|told| told.elapsed() >= PATIENCE) {
@@ -116,8 +117,12 @@ impl Meter {
     pub fn fail(&self, message: &str) {
         self.lock().clear();
         if self.style == Style::Openjd {
-            let line = message.lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or("it failed");
-            let _ = print(&format!("openjd_fail: {line}\n"));
+            // Without the mark before the message.
+            let lines = message
+                .lines()
+                .map(|line| line.trim_start_matches(|c: char| !c.is_alphanumeric() && c != '`'));
+            let line = lines.map(str::trim_end).find(|line| !line.is_empty());
+            let _ = print(&format!("openjd_fail: {}\n", line.unwrap_or("it failed")));
         }
     }
 
