@@ -1,8 +1,11 @@
 //! Where imported programs and textures come from: the disk for the command, memory for tests and embedders.
 
 use crate::image::{Input, has_pattern};
+use crate::syntax::MAX_TEXT;
 use crate::texture::Origin;
 use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 /// Finds the files that `import` names, and the images that `texture` and its like name.
@@ -90,7 +93,7 @@ impl Host for Memory {
     }
 }
 
-/// Files on disk: beside the program that names them, then in the given folders. Images lie nowhere else.
+/// Files on disk: beside the program that names them and below, then in the given folders, and nowhere else.
 #[derive(Clone, Debug, Default)]
 pub struct Disk {
     /// Folders to search after the importing file's own.
@@ -105,24 +108,56 @@ impl Disk {
         path: &str,
         read: &dyn Fn(&Path) -> std::io::Result<String>,
     ) -> Result<(String, String), String> {
-        let beside = Path::new(importing).parent().unwrap_or(Path::new(""));
-        let mut tried = Vec::new();
-        for folder in std::iter::once(beside).chain(self.path.iter().map(PathBuf::as_path)) {
-            let file = folder.join(path);
-            match read(&file) {
+        let places = self.places(importing, path);
+        for file in &places {
+            match read(file) {
                 Ok(text) => return Ok((file.display().to_string(), text)),
-                Err(e) if e.kind() == std::io::ErrorKind::NotFound => tried.push(file.display().to_string()),
+                Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
                 Err(e) => return Err(format!("{}: {e}", file.display())),
             }
         }
-        Err(format!("there is no {}", tried.join(" and no ")))
+        Err(nowhere(&places))
     }
 
-    /// The folders that a program's images lie in.
+    /// The folders that a program's files lie in.
     fn roots(&self, program: &str) -> Vec<PathBuf> {
         let beside = Path::new(program).parent().unwrap_or(Path::new(""));
         std::iter::once(beside).chain(self.path.iter().map(PathBuf::as_path)).map(Path::to_path_buf).collect()
     }
+
+    /// Where the file of that name may lie, in the order in which it is looked for: never outside of the folders.
+    fn places(&self, program: &str, name: &str) -> Vec<PathBuf> {
+        let roots = self.roots(program);
+        let allowed: Vec<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
+        let mut places = Vec::new();
+        for path in roots.iter().map(|root| root.join(name)) {
+            let whole = absolute(&path);
+            if allowed.iter().any(|root| whole.starts_with(root)) && !places.contains(&path) {
+                places.push(path);
+            }
+        }
+        places
+    }
+}
+
+/// Says that a file is in none of its places.
+fn nowhere(places: &[PathBuf]) -> String {
+    if places.is_empty() {
+        return "outside of the folders that this program may read".into();
+    }
+    let tried: Vec<String> = places.iter().map(|path| path.display().to_string()).collect();
+    format!("there is no {}", tried.join(" and no "))
+}
+
+/// The text of a program. What is too long is none, and is not read to its end.
+pub(crate) fn read_text(from: impl Read) -> std::io::Result<String> {
+    let mut bytes = Vec::new();
+    from.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes)?;
+    if bytes.len() > MAX_TEXT {
+        // What is wrong with it is said by who reads the text; the last letter may be cut.
+        return Ok(" ".repeat(bytes.len()));
+    }
+    String::from_utf8(bytes).map_err(|e| std::io::Error::new(std::io::ErrorKind::InvalidData, e))
 }
 
 /// The path without `.` and, as far as folders stand before them, without `..`. Links are not followed: they were
@@ -171,34 +206,18 @@ fn names_in(folder: &Path) -> Vec<String> {
 
 impl Host for Disk {
     fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
-        self.find(importing, path, &|file| std::fs::read_to_string(file))
+        self.find(importing, path, &|file| File::open(file).and_then(read_text))
     }
 
     fn hint(&self) -> Option<String> {
         let more =
-            "An import is looked for beside the file that imports it, then in the folders of `--path`.";
+            "A program imports files beside it and below, then from the folders of `--path`, and no others.";
         Some(more.into())
     }
     fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
-        let roots = self.roots(program);
-        let allowed: Vec<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
-        let mut tried = Vec::new();
-        for root in &roots {
-            let path = clean(&root.join(name));
-            let whole = absolute(&path);
-            if !allowed.iter().any(|root| whole.starts_with(root)) || tried.contains(&path) {
-                continue;
-            }
-            if exists(&path) {
-                return Ok(Origin::File(Input::Path(path)));
-            }
-            tried.push(path);
-        }
-        if tried.is_empty() {
-            return Err("outside of the folders that this program may read".into());
-        }
-        let tried: Vec<String> = tried.iter().map(|path| path.display().to_string()).collect();
-        Err(format!("there is no {}", tried.join(" and no ")))
+        let places: Vec<PathBuf> = self.places(program, name).iter().map(|path| clean(path)).collect();
+        let found = places.iter().find(|path| exists(path));
+        found.map(|path| Origin::File(Input::Path(path.clone()))).ok_or_else(|| nowhere(&places))
     }
 
     fn images(&self, program: &str, name: &str) -> Vec<String> {

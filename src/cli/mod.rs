@@ -94,6 +94,7 @@ enum Command {
 
 /// Does what the arguments say, and tells how it ended.
 pub fn run(cli: Cli) -> ExitCode {
+    interrupt::survive_file_limits();
     let outcome = match cli.command {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::View(args)) => view::view(&args),

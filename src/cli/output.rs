@@ -22,6 +22,10 @@ pub(super) fn check(path: &Path) -> Result<Format, Failure> {
     if path.is_dir() {
         return Err(Failure::plain(format!("cannot write `{shown}`: it is a directory")));
     }
+    if std::fs::metadata(path).is_ok_and(|about| about.is_file() && about.permissions().readonly()) {
+        let message = format!("cannot write `{shown}`: the file is there and may not be changed");
+        return Err(Failure::plain(message).hint("Allow it (chmod u+w), or write to another file."));
+    }
     if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
         let folder = folder.display();
         let message = format!("cannot write `{shown}`: there is no directory `{folder}`");

@@ -1,10 +1,10 @@
 //! The program that a command works on: a file, standard input, or lines of the command line.
 
 use super::failure::{Failure, why};
-use crate::host::Disk;
+use crate::host::{Disk, read_text};
 use crate::program::{Compiler, Program};
 use clap::Args;
-use std::io::Read;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Which program.
@@ -51,13 +51,12 @@ pub(super) fn compile(name: &str, text: &str, path: &[PathBuf]) -> Result<Progra
 /// The name in messages and the text of a program's file, or of standard input for `-`.
 pub(super) fn read(path: &Path) -> Result<(String, String), Failure> {
     if path.as_os_str() == "-" {
-        let mut text = String::new();
-        let read = std::io::stdin().lock().read_to_string(&mut text);
-        read.map_err(|e| Failure::plain(format!("cannot read standard input: {}", why(&e))))?;
+        let text = read_text(std::io::stdin().lock());
+        let text = text.map_err(|e| Failure::plain(format!("cannot read standard input: {}", why(&e))))?;
         return Ok(("<standard input>".into(), text));
     }
     let shown = path.display().to_string();
-    match std::fs::read_to_string(path) {
+    match File::open(path).and_then(read_text) {
         Ok(text) => Ok((shown, text)),
         Err(e) => {
             let failure = Failure::plain(format!("cannot read `{shown}`: {}", why(&e)));

@@ -5,6 +5,7 @@ use super::error::ImageError;
 use super::file::{File, Samples, Source};
 use super::names::last_field;
 use super::scan_exr::Scan;
+use super::scan_raster::RasterScan;
 use exr::math::Vec2;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::AttributeValue;
@@ -146,8 +147,12 @@ pub fn info(file: &File) -> Result<Info, ImageError> {
             ("OpenEXR".to_string(), exr.headers().iter().map(part).collect())
         }
         Source::Raster(raster) => {
-            for (index, plane) in raster.decode(&file.input)?.iter().enumerate() {
-                channels[index].add(plane, &mut sums[index]);
+            let mut scan = RasterScan::new(raster, &file.input)?;
+            let height = file.size()[1];
+            for top in (0..height).step_by(64) {
+                for (index, plane) in scan.rows(top..height.min(top + 64))?.iter().enumerate() {
+                    channels[index].add(plane, &mut sums[index]);
+                }
             }
             (raster.format.to_string(), Vec::new())
         }

@@ -16,11 +16,13 @@ mod read_exr;
 mod read_raster;
 mod rows;
 mod scan_exr;
+mod scan_raster;
 mod sequence;
 mod source;
 mod stamp;
 mod write;
 mod write_exr;
+mod write_png;
 mod write_raster;
 
 #[cfg(test)]

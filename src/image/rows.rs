@@ -3,6 +3,7 @@
 use super::error::{ErrorKind, ImageError};
 use super::file::{File, Source};
 use super::scan_exr::Scan;
+use super::scan_raster::RasterScan;
 use super::{Image, Variable, guard};
 use crate::shape::Shape;
 use std::borrow::Cow;
@@ -10,8 +11,8 @@ use std::ops::Range;
 
 /// Some variables of a file, read from the top down.
 ///
-/// EXR files are decoded as far as the rows that are asked for; of other formats the picture is decoded when the
-/// first row is.
+/// EXR and PNG files are decoded as far as the rows that are asked for; of other formats the picture is decoded when
+/// the first row is.
 pub struct Rows<'f> {
     file: &'f File,
     /// Name, shape and channels of each variable.
@@ -28,8 +29,7 @@ pub struct Rows<'f> {
 
 enum Decoded<'f> {
     Exr(Scan<'f>),
-    /// A picture of another format, once it is decoded.
-    Whole(bool),
+    Raster(RasterScan<'f>),
 }
 
 impl File {
@@ -65,7 +65,7 @@ impl File {
     ) -> Result<Rows<'_>, ImageError> {
         let pixels = match &self.source {
             Source::Exr(exr) => Decoded::Exr(Scan::new(exr, &self.input, &self.channels, &wanted)?),
-            Source::Raster(_) => Decoded::Whole(false),
+            Source::Raster(raster) => Decoded::Raster(RasterScan::new(raster, &self.input)?),
         };
         let planes = vec![Vec::new(); wanted.len()];
         Ok(Rows { file: self, variables, wanted, pixels, planes, held: 0..0, done: 0 })
@@ -73,7 +73,20 @@ impl File {
 
     /// Can its rows be read one after another, without the whole picture in memory?
     pub fn streams(&self) -> bool {
+        self.whole().is_none()
+    }
+
+    /// Are its lower rows read without those above?
+    pub(crate) fn seeks(&self) -> bool {
         matches!(self.source, Source::Exr(_))
+    }
+
+    /// Why its pixels have to be in memory as a whole, if they have.
+    pub fn whole(&self) -> Option<&'static str> {
+        match &self.source {
+            Source::Exr(_) => None,
+            Source::Raster(raster) => raster.whole,
+        }
     }
 }
 
@@ -128,21 +141,11 @@ impl Rows<'_> {
         let [width, height] = self.file.size();
         let name = self.file.name();
         let too_large = || ImageError::new(ErrorKind::TooLarge, format!("`{name}` is too large"));
-        let scan = match &mut self.pixels {
-            Decoded::Exr(scan) => scan,
-            Decoded::Whole(decoded) => {
-                if let (false, Source::Raster(raster)) = (*decoded, &self.file.source)
-                    && self.wanted.contains(&true)
-                {
-                    self.planes = raster.decode(&self.file.input)?;
-                }
-                if !*decoded {
-                    (*decoded, self.held) = (true, 0..height);
-                }
-                return Ok(());
-            }
+        let reach = match &self.pixels {
+            Decoded::Exr(scan) => scan.reach(rows.end),
+            Decoded::Raster(_) => rows.end,
         };
-        let end = scan.reach(rows.end).max(rows.end).max(self.held.end);
+        let end = reach.max(rows.end).max(self.held.end);
         let gone = (rows.start.min(self.held.end) - self.held.start) * width;
         let count = (end - rows.start).checked_mul(width).ok_or_else(too_large)?;
         for (plane, _) in self.planes.iter_mut().zip(&self.wanted).filter(|(_, wanted)| **wanted) {
@@ -154,12 +157,25 @@ impl Rows<'_> {
         }
         self.held = rows.start..end;
         let planes = &mut self.planes;
-        scan.decode(self.done.max(rows.start)..rows.end, |line| {
-            if line.y >= rows.start {
-                let start = (line.y - rows.start) * width + line.x;
-                line.floats(&mut planes[line.channel][start..]);
+        let new = self.done.max(rows.start)..rows.end;
+        match &mut self.pixels {
+            Decoded::Exr(scan) => scan.decode(new, |line| {
+                if line.y >= rows.start {
+                    let start = (line.y - rows.start) * width + line.x;
+                    line.floats(&mut planes[line.channel][start..]);
+                }
+            })?,
+            Decoded::Raster(scan) if !new.is_empty() && self.wanted.contains(&true) => {
+                let part = (new.start - rows.start) * width..(new.end - rows.start) * width;
+                for (c, plane) in scan.rows(new)?.into_iter().enumerate().filter(|(c, _)| self.wanted[*c]) {
+                    match part.len() == planes[c].len() {
+                        true => planes[c] = plane,
+                        false => planes[c][part.clone()].copy_from_slice(&plane),
+                    }
+                }
             }
-        })?;
+            Decoded::Raster(_) => {}
+        }
         self.done = self.done.max(rows.end);
         Ok(())
     }

@@ -4,6 +4,7 @@
 use super::error::ImageError;
 use super::file::{File, ReadOptions, Source, read};
 use super::scan_exr::Scan;
+use super::scan_raster::RasterScan;
 use super::source::Input;
 use super::write::Format;
 use exr::meta::attribute::AttributeValue;
@@ -60,19 +61,13 @@ impl File {
                 let wanted = vec![true; self.channels.len()];
                 Scan::new(exr, &self.input, &self.channels, &wanted)?.decode(0..self.size()[1], |_| {})
             }
-            Source::Raster(raster) => raster.decode(&self.input).map(drop),
+            Source::Raster(raster) => {
+                let mut scan = RasterScan::new(raster, &self.input)?;
+                let height = self.size()[1];
+                (0..height).step_by(64).try_for_each(|top| scan.rows(top..height.min(top + 64)).map(drop))
+            }
         }
     }
-}
-
-/// The same PNG file with the stamp behind its header.
-pub(super) fn into_png(mut bytes: Vec<u8>, stamp: &str) -> Vec<u8> {
-    let chunk = [b"tEXt", NAME.as_bytes(), &[0], stamp.as_bytes()].concat();
-    let length = (chunk.len() - 4) as u32;
-    let checksum = crc32fast::hash(&chunk);
-    let whole = length.to_be_bytes().into_iter().chain(chunk).chain(checksum.to_be_bytes());
-    bytes.splice(PNG_START..PNG_START, whole);
-    bytes
 }
 
 /// The stamp of a PNG file of which these are the first bytes. It is the first chunk behind the header, or it is not

@@ -1,10 +1,11 @@
 //! Writing images: which format, and what every format has in common.
 
+use super::Image;
 use super::atomic::NewFile;
 use super::error::{ErrorKind, ImageError};
 use super::write_exr::ExrWriter;
-use super::{Image, write_raster};
-use std::io::{Cursor, Write};
+use super::write_raster::RasterWriter;
+use std::io::Cursor;
 use std::path::Path;
 
 /// A file format that is written.
@@ -148,7 +149,13 @@ pub fn encode(
             writer.finish(&mut bytes)?;
             Ok(bytes.into_inner())
         }
-        _ => write_raster::encode(name, format, image, options),
+        _ => {
+            let mut bytes = Cursor::new(Vec::new());
+            let mut writer = RasterWriter::new(name, format, image, image.height, options)?;
+            writer.rows(image, &mut bytes)?;
+            writer.finish(&mut bytes)?;
+            Ok(bytes.into_inner())
+        }
     }
 }
 
@@ -167,8 +174,7 @@ pub struct Writer {
 enum Content {
     Nothing,
     Exr(Box<ExrWriter>),
-    /// The rows of a picture, which is encoded as a whole.
-    Picture(Image<'static>),
+    Picture(Box<RasterWriter>),
 }
 
 impl Writer {
@@ -198,29 +204,14 @@ impl Writer {
                 writer.rows(rows, &mut self.file)?;
                 self.content = Content::Exr(Box::new(writer));
             }
-            (Content::Nothing, _) => {
+            (Content::Nothing, format) => {
                 // What can't be encoded is said before the rest is computed.
-                write_raster::check(&name, self.format, rows, &self.options)?;
-                let mut whole = rows.clone().into_owned();
-                let more = (self.height - rows.height.min(self.height)) * rows.width;
-                for plane in whole.variables.iter_mut().flat_map(|v| &mut v.planes) {
-                    plane
-                        .to_mut()
-                        .try_reserve_exact(more)
-                        .map_err(|_| unwritable(&name, "memory is short"))?;
-                }
-                whole.metadata.resolution = Some(rows.resolution());
-                self.content = Content::Picture(whole);
+                let mut writer = RasterWriter::new(&name, format, rows, self.height, &self.options)?;
+                writer.rows(rows, &mut self.file)?;
+                self.content = Content::Picture(Box::new(writer));
             }
             (Content::Exr(writer), _) => writer.rows(rows, &mut self.file)?,
-            (Content::Picture(whole), _) => {
-                whole.height += rows.height;
-                for (whole, rows) in whole.variables.iter_mut().zip(&rows.variables) {
-                    for (whole, rows) in whole.planes.iter_mut().zip(&rows.planes) {
-                        whole.to_mut().extend_from_slice(rows);
-                    }
-                }
-            }
+            (Content::Picture(writer), _) => writer.rows(rows, &mut self.file)?,
         }
         Ok(())
     }
@@ -235,10 +226,7 @@ impl Writer {
         match self.content {
             Content::Nothing => return Err(unwritable(&name, "the image has no pixels")),
             Content::Exr(writer) => writer.finish(&mut self.file)?,
-            Content::Picture(image) => {
-                let bytes = write_raster::encode(&name, self.format, &image, &self.options)?;
-                self.file.write_all(&bytes).map_err(|e| ImageError::io("write", &name, &e))?;
-            }
+            Content::Picture(writer) => writer.finish(&mut self.file)?,
         }
         self.file.finish()
     }

@@ -6,38 +6,95 @@
 
 use super::error::ImageError;
 use super::write::{Format, WriteOptions, unwritable};
-use super::{Image, color, stamp};
+use super::write_png::PngWriter;
+use super::{Image, color};
 use crate::shape::Shape;
-use ::image::codecs::{bmp, hdr, jpeg, png, tga, tiff, webp};
+use ::image::codecs::{bmp, hdr, jpeg, tga, tiff, webp};
 use ::image::{ExtendedColorType, ImageEncoder, ImageResult, Rgb};
 use rayon::prelude::*;
-use std::io::Cursor;
+use std::io::{BufWriter, Seek, Write};
+use std::ops::Range;
 
 /// The picture: three planes of colour or one of grey three times, and alpha.
-pub(super) struct Picture<'a> {
+struct Picture<'a> {
     color: [&'a [f32]; 3],
     alpha: Option<&'a [f32]>,
 }
 
-/// The bytes of the file.
-pub(crate) fn encode(
-    name: &str,
+/// A picture that is written from the top down: PNG row by row; of other formats the codes are kept until the end.
+pub(crate) struct RasterWriter {
+    name: String,
     format: Format,
-    image: &Image<'_>,
-    options: &WriteOptions,
-) -> Result<Vec<u8>, ImageError> {
-    let (picture, bits) = check(name, format, image, options)?;
-    let [width, height] = image.resolution();
-    let has_alpha = picture.alpha.is_some() && !matches!(format, Format::Jpeg | Format::Hdr);
-    let count = if has_alpha { 4 } else { 3 };
-    let whole = bits != 32;
-    let pixels = pixels(image, &picture, count, whole && !options.raw);
-    let bytes: Vec<u8> =
-        match (bits, options.raw) {
-            (8, raw) => codes(&pixels, count, |v, linear| {
+    options: WriteOptions,
+    /// The display window.
+    size: [usize; 2],
+    /// Components of a pixel, and bits of a component.
+    count: usize,
+    bits: u8,
+    /// The row of the display window after the last one that came.
+    row: usize,
+    sink: Sink,
+}
+
+enum Sink {
+    Png(Box<PngWriter>),
+    Whole(Vec<u8>),
+}
+
+impl RasterWriter {
+    /// Begins the picture of an image of so many rows, of which `first` are the first; or tells why the format cannot
+    /// hold it.
+    pub fn new(
+        name: &str,
+        format: Format,
+        first: &Image<'_>,
+        height: usize,
+        options: &WriteOptions,
+    ) -> Result<RasterWriter, ImageError> {
+        let picture = picture(name, first)?;
+        let bits = bits(name, format, options)?;
+        let size = first.metadata.resolution.unwrap_or([first.width, height]);
+        let largest = match format {
+            Format::Jpeg | Format::Tga => 65535,
+            Format::Webp => 16383,
+            _ => 1 << 24,
+        };
+        let [w, h] = size;
+        if w.max(h) > largest || w.saturating_mul(h) > 1 << 31 {
+            let why = format!("its display window, {w} x {h}, is too large for the format");
+            return Err(unwritable(name, why));
+        }
+        let alpha = picture.alpha.is_some() && !matches!(format, Format::Jpeg | Format::Hdr);
+        let count = if alpha { 4 } else { 3 };
+        let sink = match format {
+            Format::Png => Sink::Png(Box::new(PngWriter::new(name, size, alpha, bits, options.stamp.as_deref())?)),
+            _ => {
+                let mut codes = Vec::new();
+                let room = codes.try_reserve_exact(w * h * count * usize::from(bits / 8));
+                room.map_err(|_| unwritable(name, "memory is short, and the format is written as a whole"))?;
+                Sink::Whole(codes)
+            }
+        };
+        let (name, options) = (name.to_string(), options.clone());
+        Ok(RasterWriter { name, format, options, size, count, bits, row: 0, sink })
+    }
+
+    /// Adds the next rows.
+    pub fn rows(&mut self, image: &Image<'_>, out: &mut impl Write) -> Result<(), ImageError> {
+        let picture = picture(&self.name, image)?;
+        let top = i64::from(image.metadata.origin[1]);
+        let inside = |row: i64| row.clamp(0, self.size[1] as i64) as usize;
+        let rows = inside(top)..inside(top + image.height as i64);
+        self.blank(rows.start, out)?;
+        let whole = self.bits != 32;
+        let pixels =
+            pixels(image, &picture, self.size[0], rows.clone(), self.count, whole && !self.options.raw);
+        let raw = self.options.raw;
+        let codes: Vec<u8> = match self.bits {
+            8 => codes(&pixels, self.count, |v, linear| {
                 if raw || linear { color::quantize(v, 255) as u8 } else { color::encode8(v) }
             }),
-            (16, raw) => codes(&pixels, count, |v, linear| {
+            16 => codes(&pixels, self.count, |v, linear| {
                 if raw || linear { color::quantize(v, 65535) } else { color::encode16(v) }
             })
             .into_iter()
@@ -45,60 +102,71 @@ pub(crate) fn encode(
             .collect(),
             _ => pixels.iter().flat_map(|v| v.to_ne_bytes()).collect(),
         };
-    let kind = match (bits, count) {
-        (8, 3) => ExtendedColorType::Rgb8,
-        (8, _) => ExtendedColorType::Rgba8,
-        (16, 3) => ExtendedColorType::Rgb16,
-        (16, _) => ExtendedColorType::Rgba16,
-        (_, 3) => ExtendedColorType::Rgb32F,
-        _ => ExtendedColorType::Rgba32F,
-    };
-    let mut out = Cursor::new(Vec::new());
-    let (w, h) = (width as u32, height as u32);
-    let done: ImageResult<()> = match format {
-        Format::Exr => unreachable!("EXR has a writer of its own"),
-        Format::Png => png::PngEncoder::new(&mut out).write_image(&bytes, w, h, kind),
-        Format::Jpeg => jpeg::JpegEncoder::new_with_quality(&mut out, options.quality.clamp(1, 100))
-            .write_image(&bytes, w, h, kind),
-        Format::Tiff => tiff::TiffEncoder::new(&mut out).write_image(&bytes, w, h, kind),
-        Format::Bmp => bmp::BmpEncoder::new(&mut out).write_image(&bytes, w, h, kind),
-        Format::Tga => tga::TgaEncoder::new(&mut out).write_image(&bytes, w, h, kind),
-        Format::Webp => webp::WebPEncoder::new_lossless(&mut out).write_image(&bytes, w, h, kind),
-        Format::Hdr => {
-            // RGBE has no sign and no NaN; infinity becomes the largest number.
-            let fit = |v: f32| if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e38) };
-            let rgb: Vec<Rgb<f32>> =
-                pixels.chunks_exact(3).map(|p| Rgb([fit(p[0]), fit(p[1]), fit(p[2])])).collect();
-            hdr::HdrEncoder::new(&mut out).encode(&rgb, width, height)
-        }
-    };
-    done.map_err(|e| unwritable(name, e))?;
-    match &options.stamp {
-        Some(stamp) if format == Format::Png => Ok(stamp::into_png(out.into_inner(), stamp)),
-        _ => Ok(out.into_inner()),
+        self.row = self.row.max(rows.end);
+        self.put(&codes, out)
     }
-}
 
-/// The picture, and the bits of a component; or why the format cannot hold it.
-pub(super) fn check<'a>(
-    name: &str,
-    format: Format,
-    image: &'a Image<'_>,
-    options: &WriteOptions,
-) -> Result<(Picture<'a>, u8), ImageError> {
-    let picture = picture(name, image)?;
-    let bits = bits(name, format, options)?;
-    let [width, height] = image.resolution();
-    let largest = match format {
-        Format::Jpeg | Format::Tga => 65535,
-        Format::Webp => 16383,
-        _ => 1 << 24,
-    };
-    if width.max(height) > largest || width.saturating_mul(height) > 1 << 31 {
-        let why = format!("its display window, {width} x {height}, is too large for the format");
-        return Err(unwritable(name, why));
+    /// Rows without data, before this one.
+    fn blank(&mut self, row: usize, out: &mut impl Write) -> Result<(), ImageError> {
+        let line = vec![0; self.size[0] * self.count * usize::from(self.bits / 8)];
+        while self.row < row {
+            self.put(&line, out)?;
+            self.row += 1;
+        }
+        Ok(())
     }
-    Ok((picture, bits))
+
+    fn put(&mut self, codes: &[u8], out: &mut impl Write) -> Result<(), ImageError> {
+        match &mut self.sink {
+            Sink::Png(writer) => writer.rows(codes, out),
+            Sink::Whole(whole) => {
+                whole.extend_from_slice(codes);
+                Ok(())
+            }
+        }
+    }
+
+    /// Ends the file.
+    pub fn finish(mut self, out: &mut (impl Write + Seek)) -> Result<(), ImageError> {
+        self.blank(self.size[1], out)?;
+        let RasterWriter { name, format, options, size, count, bits, sink, .. } = self;
+        let bytes = match sink {
+            Sink::Png(writer) => return writer.finish(out),
+            Sink::Whole(bytes) => bytes,
+        };
+        let kind = match (bits, count) {
+            (8, 3) => ExtendedColorType::Rgb8,
+            (8, _) => ExtendedColorType::Rgba8,
+            (16, 3) => ExtendedColorType::Rgb16,
+            (16, _) => ExtendedColorType::Rgba16,
+            (_, 3) => ExtendedColorType::Rgb32F,
+            _ => ExtendedColorType::Rgba32F,
+        };
+        let mut out = BufWriter::new(out);
+        let (w, h) = (size[0] as u32, size[1] as u32);
+        let done: ImageResult<()> = match format {
+            Format::Exr | Format::Png => unreachable!("they have writers of their own"),
+            Format::Jpeg => jpeg::JpegEncoder::new_with_quality(&mut out, options.quality.clamp(1, 100))
+                .write_image(&bytes, w, h, kind),
+            Format::Tiff => tiff::TiffEncoder::new(&mut out).write_image(&bytes, w, h, kind),
+            Format::Bmp => bmp::BmpEncoder::new(&mut out).write_image(&bytes, w, h, kind),
+            Format::Tga => tga::TgaEncoder::new(&mut out).write_image(&bytes, w, h, kind),
+            Format::Webp => webp::WebPEncoder::new_lossless(&mut out).write_image(&bytes, w, h, kind),
+            Format::Hdr => {
+                // RGBE has no sign and no NaN; infinity becomes the largest number.
+                let fit = |v: f32| if v.is_nan() { 0.0 } else { v.clamp(0.0, 1e38) };
+                let (numbers, _) = bytes.as_chunks::<4>();
+                let (pixels, _) = numbers.as_chunks::<3>();
+                let rgb: Vec<Rgb<f32>> =
+                    pixels.iter().map(|p| Rgb(p.map(|v| fit(f32::from_ne_bytes(v))))).collect();
+                hdr::HdrEncoder::new(&mut out).encode(&rgb, size[0], size[1])
+            }
+        };
+        done.and_then(|()| Ok(out.flush()?)).map_err(|e| match e {
+            ::image::ImageError::IoError(e) => ImageError::io("write", &name, &e),
+            other => unwritable(&name, other),
+        })
+    }
 }
 
 fn picture<'a>(name: &str, image: &'a Image<'_>) -> Result<Picture<'a>, ImageError> {
@@ -135,16 +203,19 @@ fn bits(name: &str, format: Format, options: &WriteOptions) -> Result<u8, ImageE
     Err(unwritable(name, why))
 }
 
-/// The display window's pixels, interleaved.
-fn pixels(image: &Image<'_>, picture: &Picture<'_>, count: usize, divide: bool) -> Vec<f32> {
-    let [width, height] = image.resolution();
+/// The pixels of these rows of the display window, so wide and interleaved.
+fn pixels(
+    image: &Image<'_>,
+    picture: &Picture<'_>,
+    width: usize,
+    rows: Range<usize>,
+    count: usize,
+    divide: bool,
+) -> Vec<f32> {
     let [left, top] = image.metadata.origin.map(i64::from);
-    let mut pixels = vec![0f32; width * height * count];
-    pixels.par_chunks_exact_mut(width * count).enumerate().for_each(|(row, line)| {
+    let mut pixels = vec![0f32; width * rows.len() * count];
+    pixels.par_chunks_exact_mut(width * count).zip(rows).for_each(|(line, row)| {
         let y = row as i64 - top;
-        if y < 0 || y >= image.height as i64 {
-            return;
-        }
         for (column, pixel) in line.chunks_exact_mut(count).enumerate() {
             let x = column as i64 - left;
             if x < 0 || x >= image.width as i64 {

@@ -24,7 +24,7 @@ impl<'a> Texels<'a> {
         let (held, band) = match &opened.pixels {
             Pixels::Memory(image) => (Some((Cow::Borrowed(&***image), 0)), image.height),
             // Some formats know no rows before the last.
-            Pixels::File(file) if whole || !file.streams() => (None, file.size()[1]),
+            Pixels::File(file) if whole || !file.seeks() => (None, file.size()[1]),
             Pixels::File(_) => (None, BAND),
         };
         Texels { opened, rows: None, held, band }

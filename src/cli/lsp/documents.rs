@@ -3,7 +3,7 @@
 use super::position::{Encoding, Lines};
 use super::uri;
 use crate::assist::Reading;
-use crate::host::{Disk, Host, clean};
+use crate::host::{Disk, Host, clean, read_text};
 use crate::texture::Origin;
 use gen_lsp_types::{Position, TextDocumentContentChangeEvent as Change, Uri};
 use std::collections::BTreeMap;
@@ -141,7 +141,10 @@ impl Host for Overlay<'_> {
         self.disk.find(importing, path, &|file| {
             let wanted = clean(file);
             let open = self.documents.values().find(|d| clean(Path::new(&d.name)) == wanted);
-            open.map_or_else(|| std::fs::read_to_string(file), |document| Ok(document.text.clone()))
+            open.map_or_else(
+                || std::fs::File::open(file).and_then(read_text),
+                |document| Ok(document.text.clone()),
+            )
         })
     }
 
