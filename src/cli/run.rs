@@ -3,6 +3,7 @@
 mod args;
 mod digest;
 mod input;
+mod memory;
 mod plan;
 mod profile;
 mod resume;
@@ -21,7 +22,7 @@ use super::region::Region;
 use crate::diagnostic::Diagnostic;
 use crate::eval::{BATCH, Places, Resample};
 use crate::image::Image;
-use crate::program::{Progress, RunOptions};
+use crate::program::{Limits, Progress, RunOptions};
 use input::FrameInput;
 use plan::{Frame, Output};
 use resume::Hashes;
@@ -32,7 +33,6 @@ use stream::Outcome;
 
 /// Runs the program on each frame.
 pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
-    interrupt::watch(true);
     let plan = Plan::new(args)?;
     let meter = Meter::new(&plan.name, args.progress, args.quiet, plan.frames.len());
     let mut work = Work {
@@ -119,11 +119,15 @@ impl Work<'_> {
             Some(input) => input,
             None => {
                 // What is run several times is read once.
-                let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving;
+                let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving && args.memory.is_none();
                 FrameInput::open(args, plan, frame.number, keep)?
             }
         };
         let opened = start.elapsed();
+        // From here on there are files to clean up. Before, where standard input may not end, an interrupt ends all.
+        if self.first {
+            interrupt::watch(true);
+        }
         let job = Job { args, plan, input: &input, outputs: &outputs, stamp: stamp.as_deref() };
         let mut outcome = job.compute(self.meter, frame.value, self.prints.wanted())?;
         outcome.stats.read += opened;
@@ -182,6 +186,8 @@ impl Job<'_> {
         let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
         // What is set may depend on the frame.
         let (set, spaces) = plan::values(args, frame)?;
+        let threads = args.threads.unwrap_or_else(rayon::current_num_threads);
+        let (textures, values) = memory::shares(args, threads);
         let options = RunOptions {
             samples: args.sampling(),
             resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
@@ -196,10 +202,10 @@ impl Job<'_> {
             isa: Some(plan.isa),
             no_optimize: args.no_optimize,
             profile: args.profile,
-            limits: args.limits.limits(),
+            limits: Limits { memory: values, ..args.limits.limits() },
             prints,
             print_columns: Some(about.metadata.origin[0]..about.metadata.origin[0] + about.width as i32),
-            texture_memory: Some(args.limits.textures()),
+            texture_memory: Some(textures),
             cancel: Some(&CANCEL),
             progress: Some(&progress),
             missing: Some(&missing),

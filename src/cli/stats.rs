@@ -24,6 +24,10 @@ pub(super) struct Stats {
     pub samples: usize,
     /// Lanes of a batch.
     pub batch: usize,
+    /// Rows that are read, run and written at a time.
+    pub rows: usize,
+    /// Files that are in memory as a whole, and why.
+    pub whole: Vec<String>,
     /// The instruction set.
     pub isa: &'static str,
 }
@@ -59,6 +63,10 @@ impl Stats {
         }
         warn(&format!("threads              {}", self.threads));
         warn(&format!("batch                {}", self.batch));
+        warn(&format!("rows at a time       {}", self.rows));
+        for file in &self.whole {
+            warn(&format!("in memory as a whole {file}"));
+        }
         warn(&format!("instruction set      {}", self.isa));
         warn(&format!("NaN or infinity at   {} pixels", self.not_finite));
         if let Some(peak) = peak_memory() {

@@ -22,7 +22,16 @@ enum Place {
 }
 
 /// Bytes that are kept in memory before they go to a temporary file.
-const KEPT: usize = 64 << 20;
+pub(super) const KEPT: usize = 64 << 20;
+
+/// Where temporary files go that may be large: where the user says, else where they do not take up memory.
+pub(crate) fn temporary_folder() -> PathBuf {
+    let lasting = Path::new("/var/tmp");
+    match std::env::var_os("TMPDIR") {
+        None if lasting.is_dir() => lasting.to_path_buf(),
+        _ => std::env::temp_dir(),
+    }
+}
 
 impl NewFile {
     /// Begins the file `path`.
@@ -41,7 +50,10 @@ impl NewFile {
             return Err(fail(io::ErrorKind::IsADirectory.into()));
         }
         if standard_output || existing.as_ref().is_some_and(|about| !about.is_file()) {
-            let place = Place::Kept { bytes: SpooledTempFile::new(KEPT), target: path.to_path_buf() };
+            let place = Place::Kept {
+                bytes: SpooledTempFile::new_in(KEPT, temporary_folder()),
+                target: path.to_path_buf(),
+            };
             return Ok(NewFile { shown, place });
         }
         let target: PathBuf = match fs::symlink_metadata(path) {

@@ -12,6 +12,8 @@ pub enum ErrorKind {
     UnknownFormat,
     /// The file is cut short or damaged.
     Damaged,
+    /// Somebody has written to the file while it was read.
+    Changed,
     /// The file is legal but uses something that is not supported: deep data, subsampled channels, …
     Unsupported,
     /// The file's header claims more pixels than the file can hold, or than fit in memory.
@@ -60,6 +62,10 @@ impl ImageError {
             std::io::ErrorKind::NotFound => "there is no such file".into(),
             std::io::ErrorKind::PermissionDenied => "permission denied".into(),
             std::io::ErrorKind::IsADirectory => "it is a directory".into(),
+            std::io::ErrorKind::StorageFull => "the disk is full".into(),
+            std::io::ErrorKind::QuotaExceeded => "there is no more room for this user".into(),
+            std::io::ErrorKind::FileTooLarge => "it would be larger than files may be here".into(),
+            std::io::ErrorKind::ReadOnlyFilesystem => "nothing can be changed on that disk".into(),
             _ => error.to_string(),
         };
         ImageError::new(ErrorKind::Io(error.kind()), format!("cannot {doing} `{file}`: {why}"))

@@ -1,10 +1,10 @@
 //! A file that can be read: its header first, then the variables that are asked for.
 
 use super::bind::{self, Binding, Candidate, Mapping};
-use super::error::ImageError;
+use super::error::{ErrorKind, ImageError};
 use super::read_exr::{self, Exr};
 use super::read_raster::Raster;
-use super::source::Input;
+use super::source::{Input, Stamp};
 use super::{Image, Metadata};
 use std::io::Read;
 
@@ -54,6 +54,8 @@ pub struct File {
     bindings: Vec<Binding>,
     metadata: Metadata,
     size: [usize; 2],
+    /// The file as it was when its header was read.
+    stamp: Option<Stamp>,
 }
 
 pub(crate) enum Source {
@@ -68,6 +70,7 @@ pub(crate) enum Source {
 pub fn read(input: Input, options: &ReadOptions) -> Result<File, ImageError> {
     let input = input.seekable()?;
     let name = input.name();
+    let stamp = input.stamp();
     let mut magic = Vec::new();
     let (reader, _) = input.open()?;
     reader.take(16).read_to_end(&mut magic).map_err(|e| ImageError::io("read", &name, &e))?;
@@ -87,7 +90,7 @@ pub fn read(input: Input, options: &ReadOptions) -> Result<File, ImageError> {
     }
     let names: Vec<String> = channels.iter().map(|c| c.name.clone()).collect();
     let bindings = bind::bind(&name, &names, &options.maps)?;
-    Ok(File { input, source, channels, bindings, metadata, size })
+    Ok(File { input, source, channels, bindings, metadata, size, stamp })
 }
 
 impl File {
@@ -100,6 +103,15 @@ impl File {
     /// all of theirs; outside its own window a part's channels read 0).
     pub fn size(&self) -> [usize; 2] {
         self.size
+    }
+
+    /// Is the file on disk still the one whose header was read?
+    pub(super) fn unchanged(&self) -> Result<(), ImageError> {
+        if self.stamp == self.input.stamp() {
+            return Ok(());
+        }
+        let message = format!("`{}` has changed while it was read", self.name());
+        Err(ImageError::new(ErrorKind::Changed, message).hint("Run again when nobody writes to it any more."))
     }
 
     /// The windows and the other header attributes.

@@ -28,6 +28,7 @@ mod write_raster;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use atomic::temporary_folder;
 pub use atomic::{NewFile, same_file, write_file};
 pub use bind::{Binding, Candidate, Mapping};
 pub use error::{ErrorKind, ImageError};

@@ -2,8 +2,9 @@
 
 use super::error::{ErrorKind, ImageError};
 use super::file::{File, Source};
-use super::scan_exr::Scan;
+use super::scan_exr::{Scan, working_memory};
 use super::scan_raster::RasterScan;
+use super::source::Input;
 use super::{Image, Variable, guard};
 use crate::shape::Shape;
 use std::borrow::Cow;
@@ -81,6 +82,19 @@ impl File {
         matches!(self.source, Source::Exr(_))
     }
 
+    /// Bytes that decoding takes beside the rows themselves, about.
+    pub fn working_memory(&self) -> u64 {
+        let spooled = match &self.input {
+            Input::Bytes { bytes, .. } => bytes.len() as u64,
+            _ => 0,
+        };
+        spooled
+            + match &self.source {
+                Source::Exr(exr) => working_memory(exr),
+                Source::Raster(raster) => raster.working_memory(),
+            }
+    }
+
     /// Why its pixels have to be in memory as a whole, if they have.
     pub fn whole(&self) -> Option<&'static str> {
         match &self.source {
@@ -102,7 +116,10 @@ impl Rows<'_> {
     pub fn read(&mut self, rows: Range<usize>) -> Result<Image<'static>, ImageError> {
         let [width, height] = self.file.size();
         assert!(rows.start >= self.held.start && rows.end <= height, "rows are read from the top down");
-        self.decode(&rows)?;
+        let decoded = self.decode(&rows);
+        // Of a file that somebody writes to at the same time no error and no number means anything.
+        self.file.unchanged()?;
+        decoded?;
         let about = self.file.metadata();
         let mut metadata = about.clone();
         if rows != (0..height) {
@@ -138,7 +155,7 @@ impl Rows<'_> {
 
     /// Brings these rows into memory, and lets go of those above.
     fn decode(&mut self, rows: &Range<usize>) -> Result<(), ImageError> {
-        let [width, height] = self.file.size();
+        let [width, _] = self.file.size();
         let name = self.file.name();
         let too_large = || ImageError::new(ErrorKind::TooLarge, format!("`{name}` is too large"));
         let reach = match &self.pixels {

@@ -59,6 +59,23 @@ pub(crate) struct Scan<'f> {
     parts: Vec<Part>,
 }
 
+/// How many blocks are decoded at a time, and how many bytes one has. A batch gives every thread something to do, and is
+/// no more than some 64 MB.
+fn batch(header: &Header, blocks: &Blocks) -> (usize, usize) {
+    let bytes = header.channels.bytes_per_pixel * blocks.size.area();
+    (((64 << 20) / bytes.max(1)).clamp(1, 8 * rayon::current_num_threads()), bytes)
+}
+
+/// Bytes that decoding takes, about: a batch of the largest part packed and unpacked, and what each thread needs.
+pub(super) fn working_memory(exr: &Exr) -> u64 {
+    let headers = exr.headers().iter().filter(|header| !header.deep);
+    let one = |header: &Header| {
+        let (batch, bytes) = batch(header, &Blocks::of(header));
+        (2 * batch + 2 * rayon::current_num_threads()) as u64 * bytes as u64
+    };
+    headers.map(one).max().unwrap_or(0)
+}
+
 /// A part of the file with wanted channels.
 struct Part {
     index: usize,
@@ -99,19 +116,16 @@ impl<'f> Scan<'f> {
             }
             if places.iter().any(Option::is_some) {
                 let blocks = Blocks::of(header);
-                // A batch gives every thread something to do, and no more than some 64 MB.
-                let block_bytes = header.channels.bytes_per_pixel * blocks.size.area();
-                let batch = (64 << 20) / block_bytes.max(1);
                 let position = header.own_attributes.layer_position;
                 parts.push(Part {
                     index,
                     places,
                     left: (i64::from(position.x()) - exr.window.0) as usize,
                     top: (i64::from(position.y()) - exr.window.1) as usize,
+                    batch: batch(header, &blocks).0,
                     blocks,
                     table,
                     next: 0,
-                    batch: batch.clamp(1, 8 * rayon::current_num_threads()),
                 });
             }
             table += 8 * header.chunk_count as u64;

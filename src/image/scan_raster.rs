@@ -5,7 +5,7 @@ use super::error::ImageError;
 use super::read_raster::{Raster, explain};
 use super::source::{Input, ReadSeek};
 use super::{color, guard};
-use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use ::image::{DynamicImage, ImageReader, Limits};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::io::BufReader;
@@ -115,6 +115,12 @@ fn decoder(reader: Box<dyn ReadSeek>, limit: u64) -> png::Decoder<BufReader<Box<
 }
 
 impl Raster {
+    /// Bytes that decoding takes, about: the whole picture and what the decoder makes of it, or a row.
+    pub(super) fn working_memory(&self) -> u64 {
+        let row = self.size[0] as u64 * u64::from(self.color.bytes_per_pixel());
+        if self.whole.is_some() { 3 * row * self.size[1] as u64 } else { 2 * row + (1 << 20) }
+    }
+
     /// The whole picture, as it is stored.
     fn decode(&self, input: &Input) -> Result<DynamicImage, ImageError> {
         let name = input.name();

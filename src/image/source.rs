@@ -1,10 +1,13 @@
-//! Where an image's bytes come from: a file, or bytes in memory (standard input is read to its end first).
+//! Where an image's bytes come from: a file, or what standard input held, read to its end first: in memory, or in a
+//! temporary file if it is much.
 
+use super::atomic::{KEPT, temporary_folder};
 use super::error::ImageError;
 use std::fs::File;
-use std::io::{self, BufReader, Cursor, Read, Seek};
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
 
 /// Where to read an image from. Cheap to clone.
 #[derive(Clone, Debug)]
@@ -18,6 +21,24 @@ pub enum Input {
         /// The whole file.
         bytes: Arc<[u8]>,
     },
+    /// Bytes in a temporary file without a name.
+    Spooled {
+        /// What messages call it.
+        name: String,
+        /// The file, whose position is nobody's own.
+        file: Arc<Mutex<File>>,
+        /// How many they are.
+        length: u64,
+    },
+}
+
+/// What tells a file from another one that has taken its place, or has been written to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stamp {
+    length: u64,
+    modified: Option<SystemTime>,
+    #[cfg(unix)]
+    inode: (u64, u64),
 }
 
 /// A reader that can go back.
@@ -41,9 +62,25 @@ impl Input {
     /// # Errors
     /// If reading fails.
     pub fn from_reader(name: &str, mut reader: impl Read) -> Result<Input, ImageError> {
+        let read = |e: io::Error| ImageError::io("read", name, &e);
         let mut bytes = Vec::new();
-        reader.read_to_end(&mut bytes).map_err(|e| ImageError::io("read", name, &e))?;
-        Ok(Input::Bytes { name: name.to_string(), bytes: bytes.into() })
+        reader.by_ref().take(KEPT as u64).read_to_end(&mut bytes).map_err(read)?;
+        if bytes.len() < KEPT {
+            return Ok(Input::Bytes { name: name.to_string(), bytes: bytes.into() });
+        }
+        let keep = |e: io::Error| {
+            ImageError::io("write", "a temporary file for standard input", &e)
+                .hint("`TMPDIR` names the folder for such files.")
+        };
+        let mut file = tempfile::tempfile_in(temporary_folder()).map_err(keep)?;
+        let mut length = 0;
+        while !bytes.is_empty() {
+            file.write_all(&bytes).map_err(keep)?;
+            length += bytes.len() as u64;
+            bytes.clear();
+            reader.by_ref().take(1 << 20).read_to_end(&mut bytes).map_err(read)?;
+        }
+        Ok(Input::Spooled { name: name.to_string(), file: Arc::new(Mutex::new(file)), length })
     }
 
     /// Bytes that are already in memory.
@@ -55,7 +92,7 @@ impl Input {
     pub fn name(&self) -> String {
         match self {
             Input::Path(path) => path.display().to_string(),
-            Input::Bytes { name, .. } => name.clone(),
+            Input::Bytes { name, .. } | Input::Spooled { name, .. } => name.clone(),
         }
     }
 
@@ -65,10 +102,28 @@ impl Input {
         Path::new(&name).extension().map_or(String::new(), |e| e.to_string_lossy().to_lowercase())
     }
 
+    /// The file as it is now; `None` for bytes in memory, and where there is no file.
+    pub(crate) fn stamp(&self) -> Option<Stamp> {
+        let Input::Path(path) = self else { return None };
+        let about = std::fs::metadata(path).ok()?;
+        #[cfg(unix)]
+        use std::os::unix::fs::MetadataExt;
+        Some(Stamp {
+            length: about.len(),
+            modified: about.modified().ok(),
+            #[cfg(unix)]
+            inode: (about.dev(), about.ino()),
+        })
+    }
+
     /// A reader from the start, and the number of bytes there.
     pub(crate) fn open(&self) -> Result<(Box<dyn ReadSeek>, u64), ImageError> {
         match self {
             Input::Bytes { bytes, .. } => Ok((Box::new(Cursor::new(Arc::clone(bytes))), bytes.len() as u64)),
+            Input::Spooled { file, length, .. } => {
+                let spool = Spool { file: Arc::clone(file), at: 0, length: *length };
+                Ok((Box::new(BufReader::with_capacity(1 << 17, spool)), *length))
+            }
             Input::Path(path) => {
                 let fail = |e: io::Error| ImageError::io("read", &self.name(), &e);
                 let file = File::open(path).map_err(fail)?;
@@ -92,5 +147,72 @@ impl Input {
             }
         }
         Ok(self)
+    }
+}
+
+/// A reader of a temporary file that others read too.
+struct Spool {
+    file: Arc<Mutex<File>>,
+    at: u64,
+    length: u64,
+}
+
+impl Read for Spool {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        file.seek(SeekFrom::Start(self.at))?;
+        let count = file.read(bytes)?;
+        self.at += count as u64;
+        Ok(count)
+    }
+}
+
+impl Seek for Spool {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let at = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+            SeekFrom::End(by) => self.length.checked_add_signed(by),
+        };
+        self.at = at.ok_or(io::ErrorKind::InvalidInput)?;
+        Ok(self.at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn much_goes_into_a_temporary_file() {
+        let length = KEPT as u64 + (3 << 20) + 7;
+        let bytes = |at: u64| (at.wrapping_mul(0x9e37_79b9) >> 24) as u8;
+        let block: Vec<u8> = (0..1 << 16).map(bytes).collect();
+        let endless = block.iter().cycle().copied().take(length as usize);
+        let input = Input::from_reader("a", Feed(endless)).unwrap();
+        assert!(matches!(input, Input::Spooled { .. }));
+        let (mut reader, found) = input.open().unwrap();
+        let (mut other, _) = input.open().unwrap();
+        assert_eq!(found, length);
+        for at in [0, 5, KEPT as u64 - 3, length - 4] {
+            let mut four = [0; 4];
+            for reader in [&mut reader, &mut other] {
+                reader.seek(SeekFrom::Start(at)).unwrap();
+                reader.read_exact(&mut four).unwrap();
+                assert_eq!(four, [0, 1, 2, 3].map(|i| block[(at + i) as usize % block.len()]), "{at}");
+            }
+        }
+        assert_eq!(reader.read(&mut [0; 9]).unwrap(), 0, "the end");
+        assert!(reader.seek(SeekFrom::Current(-1 - length as i64)).is_err());
+    }
+
+    /// Bytes as they come out of a pipe.
+    struct Feed<I>(I);
+
+    impl<I: Iterator<Item = u8>> Read for Feed<I> {
+        fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+            let most = bytes.len().min(1 << 16);
+            Ok(bytes[..most].iter_mut().zip(&mut self.0).map(|(to, from)| *to = from).count())
+        }
     }
 }

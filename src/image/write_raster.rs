@@ -67,7 +67,9 @@ impl RasterWriter {
         let alpha = picture.alpha.is_some() && !matches!(format, Format::Jpeg | Format::Hdr);
         let count = if alpha { 4 } else { 3 };
         let sink = match format {
-            Format::Png => Sink::Png(Box::new(PngWriter::new(name, size, alpha, bits, options.stamp.as_deref())?)),
+            Format::Png => {
+                Sink::Png(Box::new(PngWriter::new(name, size, alpha, bits, options.stamp.as_deref())?))
+            }
             _ => {
                 let mut codes = Vec::new();
                 let room = codes.try_reserve_exact(w * h * count * usize::from(bits / 8));

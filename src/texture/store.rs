@@ -3,12 +3,11 @@
 //! Peachey's "Texture on Demand" (1990) is the model: what is looked at is a small part of what there is, so a
 //! bound on memory costs little as long as it holds what one stretch of the picture needs.
 
-use crate::image::ImageError;
+use crate::image::{ImageError, temporary_folder};
 use quick_cache::Weighter;
 use quick_cache::sync::Cache;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -83,15 +82,6 @@ pub(super) struct Store {
     failed: OnceLock<ImageError>,
 }
 
-/// Where temporary files go that may be large: where the user says, else where they do not take up memory.
-fn directory() -> PathBuf {
-    let lasting = Path::new("/var/tmp");
-    match std::env::var_os("TMPDIR") {
-        None if lasting.is_dir() => lasting.to_path_buf(),
-        _ => std::env::temp_dir(),
-    }
-}
-
 fn failure(what: &str, error: &io::Error) -> ImageError {
     ImageError::io(what, "a temporary file for textures", error).hint(
         "`TMPDIR` names the folder for such files; with more memory (`--texture-memory`) none is needed.",
@@ -102,7 +92,7 @@ impl Store {
     /// A store that keeps its tiles in this cache.
     pub fn new(tiles: &Arc<Tiles>) -> Result<Store, ImageError> {
         static NEXT: AtomicU64 = AtomicU64::new(0);
-        let file = tempfile::tempfile_in(directory()).map_err(|error| failure("make", &error))?;
+        let file = tempfile::tempfile_in(temporary_folder()).map_err(|error| failure("make", &error))?;
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         Ok(Store { number, file: Mutex::new(file), tiles: Arc::clone(tiles), failed: OnceLock::new() })
     }

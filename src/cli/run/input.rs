@@ -78,12 +78,31 @@ impl FrameInput {
         }
     }
 
-    /// The rows of each band.
-    pub fn bands(&self) -> Vec<Range<usize>> {
-        match self.one {
-            true => vec![self.rows.clone()],
-            false => bands(self.about.width, self.rows.clone()).collect(),
+    /// The rows of each band, no more than so many if there is a limit.
+    pub fn bands(&self, most: Option<usize>) -> Vec<Range<usize>> {
+        match (self.one, most) {
+            (true, _) => vec![self.rows.clone()],
+            (false, None) => bands(self.about.width, self.rows.clone()).collect(),
+            (false, Some(most)) => {
+                let Range { start, end } = self.rows;
+                (start..end).step_by(most).map(|top| top..end.min(top + most)).collect()
+            }
         }
+    }
+
+    /// The first row that is run.
+    pub fn first_row(&self) -> Range<usize> {
+        self.rows.start..self.rows.start + 1
+    }
+
+    /// How many rows above and below a band are read with it.
+    pub fn around(&self) -> usize {
+        self.around
+    }
+
+    /// Bytes that the input takes beside the bands.
+    pub fn fixed(&self) -> u64 {
+        self.inputs.list.iter().map(|opened| opened.file.working_memory()).sum()
     }
 
     /// A way through all bands from the first.

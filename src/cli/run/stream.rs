@@ -3,6 +3,7 @@
 use super::RunArgs;
 use super::digest::Digest;
 use super::input::{Band, FrameInput};
+use super::memory;
 use super::plan::{Output, Plan};
 use crate::cli::failure::Failure;
 use crate::cli::output;
@@ -10,6 +11,7 @@ use crate::cli::stats::Stats;
 use crate::eval::{Prints, Profile};
 use crate::image::{Format, Image, WriteOptions, Writer};
 use crate::program::{RunOptions, Stream};
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
@@ -41,13 +43,29 @@ pub(super) fn run(
     let mut stream = plan.program.stream(options);
     loop {
         done.store(0, Ordering::Relaxed);
-        let attempt = Attempt { args, plan, input, outputs, stamp, done };
+        let most = memory::rows(args, plan, input, outputs, options, &mut stream)?;
+        let bands = input.bands(most);
+        let attempt = Attempt { args, plan, input, bands: &bands, outputs, stamp, done };
         if let Some(mut outcome) = attempt.run(&mut stream)? {
             outcome.stats.wall = start.elapsed();
+            outcome.stats.rows = bands.first().map_or(0, |rows| rows.len());
+            outcome.stats.whole = whole(input, outputs);
             return Ok(outcome);
         }
         // An output has become wider on the way: all bands again.
     }
+}
+
+/// What is in memory as a whole, and why.
+fn whole(input: &FrameInput, outputs: &[Output]) -> Vec<String> {
+    let mut list = Vec::new();
+    for file in input.inputs.list.iter().map(|opened| &opened.file) {
+        list.extend(file.whole().map(|why| format!("{}: {why}", file.name())));
+    }
+    for output in outputs.iter().filter(|o| !matches!(o.format, Format::Exr | Format::Png)) {
+        list.push(format!("{}: only EXR and PNG are written row by row", output::shown(&output.path)));
+    }
+    list
 }
 
 /// One way through all bands.
@@ -55,6 +73,8 @@ struct Attempt<'a> {
     args: &'a RunArgs,
     plan: &'a Plan,
     input: &'a FrameInput,
+    /// The rows of each band.
+    bands: &'a [Range<usize>],
     outputs: &'a [Output],
     stamp: Option<&'a str>,
     done: &'a AtomicUsize,
@@ -110,7 +130,7 @@ impl<'a> Attempt<'a> {
             }
             Ok(mut reader) => {
                 // Nobody takes a band any more when something else has failed.
-                self.input.bands().into_iter().all(|rows| {
+                self.bands.iter().cloned().all(|rows| {
                     let band = reader.read(rows);
                     let good = band.is_ok();
                     send(band) && good
@@ -162,7 +182,7 @@ impl<'a> Attempt<'a> {
         let mut outcome = Outcome::default();
         let repeat = self.args.repeat.unwrap_or(1);
         outcome.stats.runs = vec![Duration::ZERO; repeat];
-        let alone = self.input.bands().len() == 1;
+        let alone = self.bands.len() == 1;
         for band in bands {
             let Band { image, rows } = band.map_err(Some)?;
             let mut last = None;

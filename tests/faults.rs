@@ -1,0 +1,301 @@
+//! Whatever goes wrong around a run: no panic, no half of a file under the final name, no input harmed, no more memory
+//! than allowed, and a message that says what happened. What is measured of it is in docs/reliability.md.
+#![cfg(unix)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+#[path = "faults/files.rs"]
+mod files;
+#[path = "faults/memory.rs"]
+mod memory;
+#[path = "faults/samples.rs"]
+mod samples;
+
+/// A folder of its own for a test.
+struct Folder(tempfile::TempDir);
+
+/// How a command line ended.
+struct Ended {
+    code: i32,
+    err: String,
+}
+
+impl Folder {
+    fn new() -> Folder {
+        Folder(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        fs::write(self.path(name), bytes).expect(name);
+    }
+
+    fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// The names of all files, sorted.
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).expect("a folder");
+        let mut names: Vec<String> =
+            entries.map(|e| e.expect("a file").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs a line of the shell, in which `pse` is the command.
+    fn run(&self, line: &str) -> Ended {
+        let line = format!("pse() {{ \"$PSE\" \"$@\"; }}\n{line}");
+        let mut command = Command::new("sh");
+        command.args(["-c", &line]).current_dir(self.0.path()).env("PSE", env!("CARGO_BIN_EXE_pse"));
+        let output = command.stdin(Stdio::null()).output().expect("a shell");
+        let err = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(!err.contains("panicked") && !err.contains("internal error"), "{line}\n{err}");
+        Ended { code: output.status.code().unwrap_or(-1), err }
+    }
+
+    fn good(&self, line: &str) -> Ended {
+        let ended = self.run(line);
+        assert_eq!(ended.code, 0, "{line}\n{}", ended.err);
+        ended
+    }
+
+    /// Expects a failure that says these words, and that no file comes or goes.
+    fn bad(&self, line: &str, words: &[&str]) {
+        let before = self.names();
+        let ended = self.run(line);
+        assert_eq!(ended.code, 1, "{line}\n{}", ended.err);
+        for word in words {
+            assert!(ended.err.contains(word), "{line}\nno `{word}` in\n{}", ended.err);
+        }
+        assert_eq!(self.names(), before, "{line}: files have come or gone");
+    }
+
+    /// Starts the command itself, so that signals reach it.
+    fn start(&self, arguments: &str, stdin: Stdio) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pse"));
+        command.args(arguments.split_whitespace()).current_dir(self.0.path()).stdin(stdin);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("pse starts")
+    }
+
+    /// Waits until an unfinished output is there.
+    fn wait_for_output(&self) {
+        let begun = Instant::now();
+        while !self.names().iter().any(|name| name.starts_with(".pse-")) {
+            assert!(begun.elapsed().as_secs() < 120, "the output has not begun");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+/// Sends a signal.
+fn signal(child: &Child, name: &str) {
+    let line = format!("kill -{name} {}", child.id());
+    assert!(Command::new("sh").args(["-c", &line]).status().expect("a shell").success());
+}
+
+/// A generator of numbers, always the same ones.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) as usize % n.max(1)
+    }
+}
+
+/// A program that takes its time.
+const SLOW: &str = "i = 0\nwhile i < 60\n    i += 1 + 0 * Noise(i * point)\ncolor = white * i * point\n";
+
+#[test]
+fn killed_at_any_moment() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white * Noise(8 * point) + 0 * fractalsum(point)\nalpha = surface\n");
+    f.good("pse scene donut -q -o g.exr --size 500x1200");
+    let outputs = ["a.exr", "a.png"];
+    let arguments = "run p.pse -q -i g.exr -o a.exr -o a.png";
+    let begun = Instant::now();
+    f.good(&format!("pse {arguments}"));
+    let whole = begun.elapsed();
+    let (input, expected) = (f.read("g.exr"), outputs.map(|o| f.read(o)));
+    let (mut random, mut killed) = (Random(1), 0);
+    for round in 0..50 {
+        outputs.iter().for_each(|o| f.write(o, "old"));
+        let mut child = f.start(arguments, Stdio::null());
+        std::thread::sleep(whole * random.below(1000) as u32 / 1000);
+        child.kill().expect("it can be killed");
+        let killed_now = !child.wait().expect("it ends").success();
+        killed += usize::from(killed_now);
+        for (output, expected) in outputs.iter().zip(&expected) {
+            let found = f.read(output);
+            assert!(found == *b"old" || found == *expected, "round {round}: half of {output}");
+            assert!(killed_now || found == *expected, "round {round}: {output} is not written");
+        }
+        assert!(f.read("g.exr") == input, "round {round}: the input is harmed");
+        // What stays of a killed run is told by its name.
+        let rest = |name: &String| name.starts_with(".pse-") && name.ends_with(".tmp");
+        f.names()
+            .iter()
+            .filter(|name| rest(name))
+            .for_each(|name| fs::remove_file(f.path(name)).expect(name));
+        assert_eq!(f.names(), ["a.exr", "a.png", "g.exr", "p.pse"]);
+    }
+    assert!(killed >= 10, "{killed} of 50 were killed before their end");
+}
+
+#[test]
+fn signals_clean_up() {
+    let f = Folder::new();
+    f.write("slow.pse", SLOW);
+    for name in ["INT", "TERM", "HUP"] {
+        let mut child = f.start("run slow.pse --size 1000x3000 -o out.exr", Stdio::null());
+        f.wait_for_output();
+        signal(&child, name);
+        assert_eq!(child.wait().expect("it ends").code(), Some(130), "{name}");
+        assert_eq!(f.names(), ["slow.pse"], "{name}: nothing is left behind");
+    }
+    // Where standard input does not end, nothing is there to clean up, and the first signal is enough.
+    let mut child = f.start("run slow.pse -i - -o out.exr", Stdio::piped());
+    std::thread::sleep(Duration::from_millis(300));
+    signal(&child, "INT");
+    let begun = Instant::now();
+    while child.try_wait().expect("a state").is_none() {
+        assert!(begun.elapsed().as_secs() < 20, "it waits for standard input");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(f.names(), ["slow.pse"]);
+}
+
+#[test]
+fn a_full_disk() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white * Noise(99 * point)\n");
+    for output in ["a.exr", "a.png", "a.tif", "a.hdr", "a.bmp", "a.webp"] {
+        f.write(output, "old");
+        let limited = format!("ulimit -f 20; pse run -q p.pse --size 700x600 -o {output}");
+        f.bad(&limited, &[&format!("cannot write `{output}`"), "larger than files may be"]);
+        assert_eq!(f.read(output), b"old");
+    }
+    f.bad("ulimit -f 20; pse scene donut -q --size 700x600 -o b.exr", &["cannot write `b.exr`", "larger"]);
+    f.write("out", "");
+    f.bad("ulimit -f 20; pse run -q p.pse --size 700x600 -o - > out", &["cannot write `standard output`"]);
+    f.good("pse run -q p.pse --size 700x600 -o t.exr");
+    f.write("t.pse", "color = texture(\"t.exr\", uv)\n");
+    let tiles = "pse run -q t.pse --size 9x9 -o c.exr --texture-memory 0";
+    f.bad(&format!("export TMPDIR=.; ulimit -f 20; {tiles}"), &["temporary file for textures", "TMPDIR"]);
+    if Path::new("/dev/full").exists() {
+        f.bad("pse run -q p.pse --size 9x9 -o - > /dev/full", &["`standard output`", "the disk is full"]);
+        f.good("ln -s /dev/full full.exr; ln -s /dev/full full.png");
+        for output in ["full.exr", "full.png"] {
+            let line = format!("pse run -q p.pse --size 9x9 -o {output}");
+            f.bad(&line, &[&format!("cannot write `{output}`: the disk is full")]);
+        }
+    }
+}
+
+#[test]
+fn targets_that_cannot_be_written() {
+    let f = Folder::new();
+    f.write("kept.exr", "old");
+    f.write("kept.png", "old");
+    f.good("chmod 444 kept.exr kept.png; mkdir closed open.exr; chmod 555 closed");
+    for line in ["pse run -e white --size 4x4 -o kept.exr", "pse scene card --size 4x4 -o kept.exr"] {
+        f.bad(line, &["cannot write `kept.exr`: the file is there and may not be changed", "chmod u+w"]);
+    }
+    f.bad("pse run -e white --size 4x4 -o ok.png -o kept.png", &["cannot write `kept.png`"]);
+    assert_eq!(f.read("kept.exr"), b"old");
+    f.bad("pse run -e white --size 4x4 -o open.exr", &["it is a directory"]);
+    f.bad("pse run -e white --size 4x4 -o none/a.exr", &["there is no directory `none`", "mkdir -p"]);
+    // Who may do everything may write there too.
+    match fs::write(f.path("closed/probe"), "") {
+        Err(_) => {
+            f.bad("pse run -e white --size 4x4 -o closed/a.exr", &["`closed/a.exr`: permission denied"])
+        }
+        Ok(()) => drop(f.good("rm closed/probe; pse run -q -e white --size 4x4 -o closed/a.exr")),
+    }
+    f.good("chmod 755 closed; pse run -q -e white --size 4x4 -o g.exr; chmod 000 g.exr");
+    if fs::read(f.path("g.exr")).is_err() {
+        f.bad("pse run -e color -i g.exr -o a.exr", &["cannot read `g.exr`: permission denied"]);
+    }
+    f.bad("pse run -e color -i closed -o a.exr", &["cannot read `closed`: it is a directory"]);
+    f.bad("pse run -e color -i - -o a.exr <&-", &["standard input"]);
+}
+
+#[test]
+fn a_closed_pipe() {
+    let f = Folder::new();
+    let ended =
+        f.good("{ pse run -q -e 'white * Noise(9 * point)' -o - --size 900x700; echo $? > code; } | true");
+    assert_eq!((f.read("code"), ended.err.as_str()), (b"0\n".to_vec(), ""));
+}
+
+#[test]
+fn an_input_that_changes_while_it_is_read() {
+    let f = Folder::new();
+    f.write("slow.pse", SLOW);
+    f.good("pse scene donut -q -o g.exr --size 512x6000");
+    f.good("pse run -q -e 'white * Noise(pixel)' -o g.png --size 512x6000");
+    for (name, more) in [("g.exr", ""), ("g.png", "--scene card --size 512x6000")] {
+        let whole = f.read(name);
+        let mut other = whole.clone();
+        other.iter_mut().skip(5000).for_each(|byte| *byte ^= 0x55);
+        for bytes in [&whole[..whole.len() / 2], &other] {
+            let child = f.start(&format!("run slow.pse -i {name} {more} -o a.exr"), Stdio::null());
+            f.wait_for_output();
+            f.write(name, bytes);
+            let output = child.wait_with_output().expect("it ends");
+            let err = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(1), "{name}: {err}");
+            assert!(err.contains("has changed while it was read"), "{name}: {err}");
+            assert!(
+                !f.names().iter().any(|n| n.starts_with(".pse-") || n == "a.exr"),
+                "{name}: {:?}",
+                f.names()
+            );
+            f.write(name, &whole);
+        }
+    }
+}
+
+#[test]
+fn a_program_reads_nothing_that_it_was_not_given() {
+    let f = Folder::new();
+    f.good("mkdir -p a/lib b");
+    f.write("secret.pse", "function secret(p)\n    return 7\n");
+    f.write("b/lib.pse", "function twice(p)\n    return 2 * p\n");
+    f.write("a/lib/inner.pse", "import \"../climb.pse\"\n");
+    f.write("a/climb.pse", "function climb(p)\n    return p\n");
+    let run = "pse run -q a/p.pse --size 4x4 -o o.exr";
+    let import = |path: &str| f.write("a/p.pse", format!("import \"{path}\"\ncolor = white\n"));
+    let absolute = f.path("secret.pse").display().to_string();
+    for path in ["../secret.pse", "lib/../../secret.pse", &absolute, "/etc/hostname", "lib/inner.pse"] {
+        import(path);
+        let words = &["cannot import", "outside of the folders that this program may read", "`--path`"];
+        f.bad(run, words);
+        f.bad("pse check a/p.pse", words);
+    }
+    for (path, more) in [
+        ("lib/../climb.pse", ""),
+        ("lib.pse", "--path b"),
+        ("../b/lib.pse", "--path b"),
+        ("lib/inner.pse", "--path a"),
+        (&absolute, "--path ."),
+    ] {
+        import(path);
+        f.good(&format!("{run} {more}"));
+    }
+    // An endless file is read no further than a program may be long.
+    if Path::new("/dev/zero").exists() {
+        f.good("ln -s /dev/zero a/endless.pse");
+        import("endless.pse");
+        f.bad(&format!("ulimit -v 2000000; {run}"), &["longer than 16 MiB"]);
+        f.bad("ulimit -v 2000000; pse check a/endless.pse", &["longer than 16 MiB"]);
+        f.bad("ulimit -v 2000000; pse check - < /dev/zero", &["longer than 16 MiB"]);
+    }
+}

@@ -1,0 +1,79 @@
+//! Memory stays within what is allowed, and the same comes out.
+
+use super::Folder;
+use pse::image::{Input, ReadOptions, read};
+
+/// Megabytes that the command says it took at most, and the rows that it had at a time.
+fn told(err: &str) -> (f64, usize) {
+    let after = |mark: &str| err.split(mark).nth(1).and_then(|rest| rest.split_whitespace().next());
+    let peak = after("peak memory").and_then(|n| n.parse().ok()).expect("the peak");
+    (peak, after("rows at a time").and_then(|n| n.parse().ok()).expect("the rows"))
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_is_bounded() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white * Noise(8 * point) + filterwidth(point)\nn = 2 * normal\n");
+    f.good("pse scene donut -q -o g.exr --size 2500x2000");
+    f.good("pse run -q -e 'color = white * Noise(9 * point)' -i g.exr -o g.png");
+    for (input, vars) in [("-i g.exr", "--vars color,n,point"), ("-e color -i g.png", "")] {
+        let program = if vars.is_empty() { "" } else { "p.pse" };
+        let line = format!("pse run {program} {input} {vars} --stats --threads 2");
+        let usual = told(&f.good(&format!("{line} -o a.exr")).err);
+        let picture = if vars.is_empty() { "-o p.png" } else { "" };
+        let mut before = 0;
+        for most in [70, 100, 200] {
+            let ended = f.good(&format!("{line} -o b.exr {picture} --memory {most}"));
+            let (peak, rows) = told(&ended.err);
+            assert!(peak < f64::from(most) * 1.048_576, "{input}: {peak} MB of {most}, {rows} rows");
+            assert!(rows > before || rows == usual.1, "{rows} rows with {most} MB, {before} before");
+            assert!(f.read("a.exr") == f.read("b.exr"), "{input}: other bytes with {most} MB");
+            before = rows;
+        }
+    }
+    let run = "pse run p.pse -i g.exr -o c.exr";
+    f.bad(&format!("{run} --memory 20"), &["the run needs some", "--memory allows 20", "Give it more"]);
+    f.bad(&format!("{run} --memory 100 --repeat 1"), &["the run needs some"]);
+    f.bad(
+        "pse run p.pse -i g.exr -o c.tif --memory 70",
+        &["the run needs some", "Only EXR and PNG are read and written row by row"],
+    );
+}
+
+/// The same picture as an interlaced PNG: of one pixel both are alike but for the mark in the header.
+fn interlaced(mut png: Vec<u8>) -> Vec<u8> {
+    png[28] = 1;
+    let mut crc = u32::MAX;
+    for byte in &png[12..29] {
+        crc ^= u32::from(*byte);
+        (0..8).for_each(|_| crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 });
+    }
+    png[29..33].copy_from_slice(&(!crc).to_be_bytes());
+    png
+}
+
+#[test]
+fn what_cannot_stream_says_so() {
+    let f = Folder::new();
+    f.good("pse run -q -e '[0.2 0.4 0.6]' --scene card --size 1x1 -o one.png -o one.jpg");
+    f.write("two.png", interlaced(f.read("one.png")));
+    let colors = ["one.png", "two.png"].map(|name| {
+        let file = read(Input::Path(f.path(name)), &ReadOptions::default()).expect(name);
+        file.load(&["color"]).expect(name).variables[0].planes.clone()
+    });
+    assert_eq!(colors[0], colors[1]);
+    for (files, expected) in [
+        ("-i one.png -o a.exr", None),
+        ("-i one.png -o a.png", None),
+        ("-i two.png -o a.png", Some("two.png: the rows of an interlaced PNG")),
+        ("-i one.jpg -o a.png", Some("one.jpg: only EXR and PNG are decoded row by row")),
+        ("-i one.png -o a.tif", Some("a.tif: only EXR and PNG are written row by row")),
+    ] {
+        let err = f.good(&format!("pse run -e color {files} --stats")).err;
+        match expected {
+            Some(words) => assert!(err.contains(&format!("in memory as a whole {words}")), "{files}\n{err}"),
+            None => assert!(!err.contains("in memory as a whole"), "{files}\n{err}"),
+        }
+    }
+}
