@@ -210,9 +210,45 @@ mod render {
         message: String,
         severity: Option<miette::Severity>,
         labels: Vec<LabeledSpan>,
-        source: Option<NamedSource<String>>,
+        source: Option<NamedSource<Excerpt>>,
         help: Option<String>,
         related: Vec<Report>,
+    }
+
+    /// A text of which no more than so many bytes are shown at a place: nobody reads a line of a megabyte.
+    struct Excerpt(String);
+
+    /// Bytes of lines that are shown, and what is left of longer ones on either side of a place.
+    const MOST: usize = 4000;
+    const BESIDE: usize = 60;
+
+    impl miette::SourceCode for Excerpt {
+        fn read_span<'a>(
+            &'a self,
+            span: &miette::SourceSpan,
+            before: usize,
+            after: usize,
+        ) -> Result<Box<dyn miette::SpanContents<'a> + 'a>, miette::MietteError> {
+            let whole = self.0.read_span(span, before, after)?;
+            if whole.data().len() <= MOST {
+                return Ok(whole);
+            }
+            let line = self.0.read_span(span, 0, 0)?;
+            let (first, last) = (line.span().offset(), line.span().offset() + line.data().len());
+            let from = span.offset().saturating_sub(BESIDE).max(first);
+            let to = (span.offset() + span.len().clamp(1, MOST) + BESIDE).min(last);
+            // No letter is cut.
+            let start = (from..=last).find(|&i| self.0.is_char_boundary(i)).unwrap_or(last);
+            let end = (to..=last).find(|&i| self.0.is_char_boundary(i)).unwrap_or(last);
+            let end = end.max(start);
+            Ok(Box::new(miette::MietteSpanContents::new(
+                self.0[start..end].as_bytes(),
+                (start, end - start).into(),
+                line.line(),
+                line.column(),
+                line.line_count(),
+            )))
+        }
     }
 
     impl fmt::Debug for Report {
@@ -274,7 +310,10 @@ mod render {
                 .enumerate()
                 .map(|(i, l)| {
                     let text = (!l.text.is_empty()).then(|| l.text.clone());
-                    let range = (l.span.start as usize, (l.span.end - l.span.start) as usize);
+                    let length = (l.span.end - l.span.start) as usize;
+                    // What is underlined is short, as what is shown is.
+                    let long = length > MOST && !sources.text(l.span)[..].contains('\n');
+                    let range = (l.span.start as usize, if long { 1 } else { length });
                     match i {
                         0 if Some(id) == primary => LabeledSpan::new_primary_with_span(text, range),
                         _ => LabeledSpan::new_with_span(text, range),
@@ -284,7 +323,7 @@ mod render {
         };
         let named = |id: SourceId| {
             let source = sources.get(id);
-            NamedSource::new(&source.name, source.text.to_string())
+            NamedSource::new(&source.name, Excerpt(source.text.to_string()))
         };
         let mut related = Vec::new();
         let mut seen: Vec<SourceId> = primary.into_iter().collect();

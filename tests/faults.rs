@@ -208,6 +208,8 @@ fn targets_that_cannot_be_written() {
     for line in ["pse run -e white --size 4x4 -o kept.exr", "pse scene card --size 4x4 -o kept.exr"] {
         f.bad(line, &["cannot write `kept.exr`: the file is there and may not be changed", "chmod u+w"]);
     }
+    f.good("printf 'a=1' > p.pse; chmod 444 p.pse");
+    f.bad("pse fmt p.pse", &["cannot write `p.pse`: the file is there and may not be changed"]);
     f.bad("pse run -e white --size 4x4 -o ok.png -o kept.png", &["cannot write `kept.png`"]);
     assert_eq!(f.read("kept.exr"), b"old");
     f.bad("pse run -e white --size 4x4 -o open.exr", &["it is a directory"]);
@@ -238,15 +240,16 @@ fn a_closed_pipe() {
 #[test]
 fn an_input_that_changes_while_it_is_read() {
     let f = Folder::new();
-    f.write("slow.pse", SLOW);
+    f.write("point.pse", SLOW);
+    f.write("color.pse", SLOW.replace("point", "color"));
     f.good("pse scene donut -q -o g.exr --size 512x6000");
     f.good("pse run -q -e 'white * Noise(pixel)' -o g.png --size 512x6000");
-    for (name, more) in [("g.exr", ""), ("g.png", "--scene card --size 512x6000")] {
+    for (name, program) in [("g.exr", "point"), ("g.png", "color")] {
         let whole = f.read(name);
         let mut other = whole.clone();
         other.iter_mut().skip(5000).for_each(|byte| *byte ^= 0x55);
         for bytes in [&whole[..whole.len() / 2], &other] {
-            let child = f.start(&format!("run slow.pse -i {name} {more} -o a.exr"), Stdio::null());
+            let child = f.start(&format!("run {program}.pse -i {name} -o a.exr"), Stdio::null());
             f.wait_for_output();
             f.write(name, bytes);
             let output = child.wait_with_output().expect("it ends");

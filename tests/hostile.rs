@@ -42,22 +42,24 @@ fn setting(name: &str, otherwise: u64) -> u64 {
 }
 
 /// Gives one seed after another to `attempt` until the time is over, and tells of the one that fails.
-fn until_the_time_is_over(what: &str, mut attempt: impl FnMut(u64) -> String) {
+///
+/// `known` are seeds at which something was found once.
+fn until_the_time_is_over(what: &str, known: &[u64], mut attempt: impl FnMut(u64) -> String) {
     let begun = Instant::now();
     let time = Duration::from_secs(setting("PSE_HOSTILE_SECONDS", 4));
     let first = setting("PSE_HOSTILE_SEED", 1);
-    let mut seed = first;
     let mut kinds: HashMap<String, usize> = HashMap::new();
-    while begun.elapsed() < time {
+    for (count, seed) in known.iter().copied().chain(first..).enumerate() {
         let start = Instant::now();
         let kind = catch_unwind(AssertUnwindSafe(|| attempt(seed)));
         let kind = kind.unwrap_or_else(|_| panic!("{what}: PSE_HOSTILE_SEED={seed} goes wrong"));
         assert!(start.elapsed() < LONGEST, "{what}: PSE_HOSTILE_SEED={seed} takes {:?}", start.elapsed());
         *kinds.entry(kind).or_default() += 1;
-        seed += 1;
+        if begun.elapsed() > time {
+            println!("{what}: {} inputs in {:?}: {kinds:?}", count + 1, begun.elapsed());
+            break;
+        }
     }
-    println!("{what}: {} inputs in {:?}: {kinds:?}", seed - first, begun.elapsed());
-    assert!(seed > first);
 }
 
 /// All programs of the package.
@@ -188,7 +190,7 @@ fn text(random: &mut Random, programs: &[(String, String)]) -> String {
         return (0..random.below(60)).map(|_| *random.pick(PIECES)).collect();
     }
     let mut chars: Vec<char> = random.pick(programs).1.chars().collect();
-    for _ in 0..1 + random.below(8) {
+    for _ in 0..1 + random.below(2) * random.below(6) {
         let at = random.below(chars.len() + 1);
         match random.below(7) {
             0 => drop(chars.drain(at..(at + random.below(30)).min(chars.len()))),
@@ -282,7 +284,7 @@ fn texts() {
     let host = Memory(programs.iter().cloned().collect());
     let options = scene::Options { width: 13, height: 7, ..scene::Options::default() };
     let image = scene::render("donut", &options).expect("a scene");
-    until_the_time_is_over("texts", |seed| {
+    until_the_time_is_over("texts", &[], |seed| {
         let mut random = Random(seed);
         let text = text(&mut random, &programs);
         all_the_way(&text, &host, &image, &mut random).to_string()
@@ -301,7 +303,7 @@ fn files() {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         list.push((name, fs::read(&path).expect("an image")));
     }
-    until_the_time_is_over("files", |seed| {
+    until_the_time_is_over("files", &[2626], |seed| {
         let mut random = Random(seed);
         let (name, bytes) = random.pick(&list);
         let mut bytes = bytes.clone();

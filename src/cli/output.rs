@@ -1,7 +1,7 @@
 //! The files that come out: whether they can be written, and what of a run goes into them.
 
 use super::failure::{Failure, why};
-use crate::image::{Format, Image};
+use crate::image::{Format, Image, check_target};
 use crate::program::Program;
 use crate::shape::Shape;
 use std::borrow::Cow;
@@ -18,19 +18,7 @@ pub(super) fn check(path: &Path) -> Result<Format, Failure> {
         }
         return Ok(format);
     }
-    let shown = path.display();
-    if path.is_dir() {
-        return Err(Failure::plain(format!("cannot write `{shown}`: it is a directory")));
-    }
-    if std::fs::metadata(path).is_ok_and(|about| about.is_file() && about.permissions().readonly()) {
-        let message = format!("cannot write `{shown}`: the file is there and may not be changed");
-        return Err(Failure::plain(message).hint("Allow it (chmod u+w), or write to another file."));
-    }
-    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
-        let folder = folder.display();
-        let message = format!("cannot write `{shown}`: there is no directory `{folder}`");
-        return Err(Failure::plain(message).hint(format!("Make it first: mkdir -p '{folder}'.")));
-    }
+    check_target(path)?;
     Ok(format)
 }
 

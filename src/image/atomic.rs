@@ -33,6 +33,31 @@ pub(crate) fn temporary_folder() -> PathBuf {
     }
 }
 
+/// Finds out whether a file can take this name, as far as that can be told beforehand. A file that may not be changed
+/// is not replaced by another one either.
+///
+/// # Errors
+/// If it cannot.
+pub fn check_target(path: &Path) -> Result<(), ImageError> {
+    let shown = path.display();
+    let about = fs::metadata(path).ok();
+    if about.as_ref().is_some_and(|about| about.is_dir()) {
+        return Err(ImageError::io("write", &shown.to_string(), &io::ErrorKind::IsADirectory.into()));
+    }
+    if about.is_some_and(|about| about.is_file() && about.permissions().readonly()) {
+        let message = format!("cannot write `{shown}`: the file is there and may not be changed");
+        return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::PermissionDenied), message)
+            .hint("Allow it (chmod u+w), or write to another file."));
+    }
+    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
+        let folder = folder.display();
+        let message = format!("cannot write `{shown}`: there is no directory `{folder}`");
+        return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::NotFound), message)
+            .hint(format!("Make it first: mkdir -p '{folder}'.")));
+    }
+    Ok(())
+}
+
 impl NewFile {
     /// Begins the file `path`.
     ///
@@ -45,10 +70,10 @@ impl NewFile {
             false => path.display().to_string(),
         };
         let fail = |e: io::Error| ImageError::io("write", &shown, &e);
-        let existing = if standard_output { None } else { fs::metadata(path).ok() };
-        if existing.as_ref().is_some_and(|about| about.is_dir()) {
-            return Err(fail(io::ErrorKind::IsADirectory.into()));
+        if !standard_output {
+            check_target(path)?;
         }
+        let existing = if standard_output { None } else { fs::metadata(path).ok() };
         if standard_output || existing.as_ref().is_some_and(|about| !about.is_file()) {
             let place = Place::Kept {
                 bytes: SpooledTempFile::new_in(KEPT, temporary_folder()),
@@ -66,12 +91,6 @@ impl NewFile {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        if !directory.is_dir() {
-            let directory = directory.display();
-            let message = format!("cannot write `{shown}`: there is no directory `{directory}`");
-            return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::NotFound), message)
-                .hint(format!("Make it first: mkdir -p '{directory}'.")));
-        }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".pse-").suffix(".tmp");
         // A temporary file is private by default; a picture is as open as any new file of the user.

@@ -29,7 +29,7 @@ mod write_raster;
 mod tests;
 
 pub(crate) use atomic::temporary_folder;
-pub use atomic::{NewFile, same_file, write_file};
+pub use atomic::{NewFile, check_target, same_file, write_file};
 pub use bind::{Binding, Candidate, Mapping};
 pub use error::{ErrorKind, ImageError};
 pub use file::{Channel, File, ReadOptions, Samples, read};

@@ -60,10 +60,11 @@ pub(crate) struct Scan<'f> {
 }
 
 /// How many blocks are decoded at a time, and how many bytes one has. A batch gives every thread something to do, and is
-/// no more than some 64 MB.
+/// no more than some 16 MB if it need not be.
 fn batch(header: &Header, blocks: &Blocks) -> (usize, usize) {
     let bytes = header.channels.bytes_per_pixel * blocks.size.area();
-    (((64 << 20) / bytes.max(1)).clamp(1, 8 * rayon::current_num_threads()), bytes)
+    let threads = rayon::current_num_threads();
+    (((16 << 20) / bytes.max(1)).clamp(2 * threads, 8 * threads), bytes)
 }
 
 /// Bytes that decoding takes, about: a batch of the largest part packed and unpacked, and what each thread needs.
@@ -137,6 +138,10 @@ impl<'f> Scan<'f> {
     /// are decoded.
     pub fn reach(&self, row: usize) -> usize {
         let reach = |part: &Part| {
+            // Of a part that lies further down nothing is touched yet, however far that is.
+            if row <= part.top {
+                return 0;
+            }
             let inside = row.saturating_sub(part.top).min(part.blocks.whole.height());
             let height = part.blocks.size.height().max(1);
             part.top + (inside.div_ceil(height) * height).min(part.blocks.whole.height())

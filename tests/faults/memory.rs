@@ -23,7 +23,7 @@ fn memory_is_bounded() {
         let usual = told(&f.good(&format!("{line} -o a.exr")).err);
         let picture = if vars.is_empty() { "-o p.png" } else { "" };
         let mut before = 0;
-        for most in [70, 100, 200] {
+        for most in [120, 160, 250] {
             let ended = f.good(&format!("{line} -o b.exr {picture} --memory {most}"));
             let (peak, rows) = told(&ended.err);
             assert!(peak < f64::from(most) * 1.048_576, "{input}: {peak} MB of {most}, {rows} rows");
@@ -34,9 +34,9 @@ fn memory_is_bounded() {
     }
     let run = "pse run p.pse -i g.exr -o c.exr";
     f.bad(&format!("{run} --memory 20"), &["the run needs some", "--memory allows 20", "Give it more"]);
-    f.bad(&format!("{run} --memory 100 --repeat 1"), &["the run needs some"]);
+    f.bad(&format!("{run} --memory 120 --repeat 1"), &["the run needs some"]);
     f.bad(
-        "pse run p.pse -i g.exr -o c.tif --memory 70",
+        "pse run p.pse -i g.exr -o c.tif --memory 120",
         &["the run needs some", "Only EXR and PNG are read and written row by row"],
     );
 }

@@ -150,7 +150,7 @@ pub(in crate::cli) struct RunArgs {
     pub batch: Option<usize>,
 
     /// Megabytes that the run may take, all in all. So many rows are read, run and written at a time as fit, judged
-    /// beforehand by the numbers of a pixel; textures and the values of all threads may have a quarter each. What cannot
+    /// beforehand by the numbers of a pixel; textures may have a quarter of it, and the values of all threads an eighth. What cannot
     /// fit is refused
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Limits")]
     pub memory: Option<u32>,

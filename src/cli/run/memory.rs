@@ -9,19 +9,20 @@ use crate::program::{RunOptions, Stream};
 use std::ops::Range;
 
 /// The process itself, its threads and the program.
-const BASE: u64 = 32 << 20;
+const BASE: u64 = 16 << 20;
 
 /// Of what is judged so much more is taken: allocators do not give all back.
 const SLACK: f64 = 1.15;
 
-/// Bytes that textures may take, and the values of each thread: of what `--memory` allows no more than a quarter each.
+/// Bytes that textures may take, and the values of each thread: of what `--memory` allows no more than
+/// a quarter and an eighth.
 pub(super) fn shares(args: &RunArgs, threads: usize) -> (usize, usize) {
     let (textures, values) = (args.limits.textures(), args.limits.limits().memory);
     match args.memory {
         None => (textures, values),
         Some(most) => {
-            let share = ((most as usize) << 20) / 4;
-            (textures.min(share), values.min(share / threads.max(1)))
+            let most = (most as usize) << 20;
+            (textures.min(most / 4), values.min(most / 8 / threads.max(1)))
         }
     }
 }
@@ -53,8 +54,7 @@ pub(super) fn rows(
     let threads = options.threads.unwrap_or_else(rayon::current_num_threads) as u64;
     let (textures, values) = shares(args, threads as usize);
     let textures = if plan.program.resolved().textures.is_empty() { 0 } else { textures as u64 };
-    // A thread's values are seldom many; more than their share is an error of the program.
-    let values = threads * (values as u64).min(8 << 20);
+    let values = threads * values as u64;
     let about = input.about()?;
     let whole = about.resolution().iter().product::<usize>() as u64;
     let written = |output: &Output| match output.format {
@@ -84,7 +84,7 @@ pub(super) fn rows(
             let failure =
                 Failure::plain(format!("the run needs some {needed} MB, and --memory allows {most}"));
             let mut failure = failure.hint(format!("Give it more: --memory {needed}."));
-            if input.fixed() + pictures > most_bytes / 4 {
+            if pictures > 0 || input.inputs.list.iter().any(|opened| !opened.file.streams()) {
                 failure = failure.hint("Only EXR and PNG are read and written row by row.");
             }
             Err(failure)
