@@ -4,6 +4,7 @@
 use super::error::ImageError;
 use super::file::{File, ReadOptions, Source, read};
 use super::scan_exr::Scan;
+use super::scan_raster::RasterScan;
 use super::source::Input;
 use super::write::Format;
 use exr::meta::attribute::AttributeValue;
@@ -60,7 +61,11 @@ impl File {
                 let wanted = vec![true; self.channels.len()];
                 Scan::new(exr, &self.input, &self.channels, &wanted)?.decode(0..self.size()[1], |_| {})
             }
-            Source::Raster(raster) => raster.decode(&self.input).map(drop),
+            Source::Raster(raster) => {
+                let mut scan = RasterScan::new(raster, &self.input)?;
+                let height = self.size()[1];
+                (0..height).step_by(64).try_for_each(|top| scan.rows(top..height.min(top + 64)).map(drop))
+            }
         }
     }
 }
