@@ -43,7 +43,9 @@ pub(super) fn for_ever(session: &Session, pictures: Pictures, watcher: Watcher) 
                 let mut state = session.state();
                 // Of an older text nobody wants to hear.
                 if state.version == job.version {
-                    state.error = Some(told::failure(&failure));
+                    // An empty page is no mistake yet.
+                    let begun = !job.text.trim().is_empty();
+                    state.error = begun.then(|| told::failure(&failure));
                     session.tell_state(&mut state);
                 }
             }
@@ -66,7 +68,7 @@ impl Drawing {
         let unset = RunOptions { set: Vec::new(), ..options.clone() };
         let params = program.params(&picture.image, &unset)?;
         self.tell(session, job, &program, params);
-        let options = RunOptions { outputs: outputs(&program, &job.also), ..options };
+        let options = RunOptions { outputs: outputs(&program, &picture, &job.also), ..options };
         let size = [picture.image.width, picture.image.height];
         let started = Instant::now();
         if self.took.is_none_or(|took| took > SOON) && size[0].min(size[1]) > 8 * COARSE {
@@ -127,6 +129,8 @@ impl Drawing {
             return;
         }
         let reads_frame = program.resolved().globals.iter().any(|g| g.name == "frame" && g.read.is_some());
+        // What was wrong was wrong with another text.
+        state.error = None;
         state.params = params;
         state.inputs = self.pictures.names();
         state.assigned = program.assigned().map(str::to_string).collect();
@@ -178,13 +182,13 @@ impl Drawing {
 }
 
 /// The outputs of the program, and what else is to be shown. `None`: the program's own.
-fn outputs(program: &Program, also: &[String]) -> Option<Vec<String>> {
+fn outputs(program: &Program, picture: &Picture, also: &[String]) -> Option<Vec<String>> {
     if also.is_empty() {
         return None;
     }
     let mut names = program.default_outputs();
     let known =
-        |name: &&String| program.assigned().any(|n| n == *name) || program.inputs().any(|n| n == *name);
+        |name: &&String| program.assigned().any(|n| n == *name) || picture.image.variable(name).is_some();
     for name in also.iter().filter(known) {
         if !names.contains(name) {
             names.push(name.clone());

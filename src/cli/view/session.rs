@@ -65,6 +65,8 @@ pub(super) struct State {
     pub disk: Option<String>,
     /// How often the file was seen to change. A page whose text is of an earlier state would undo that change.
     pub saves: u64,
+    /// Do the file's lines end as those of Windows do? The pages' end with a line feed alone.
+    pub windows: bool,
     /// The page that changed the text last.
     pub from: String,
     /// Did the file change while a page had changes of its own?
@@ -100,6 +102,11 @@ pub(super) struct State {
     begun: Option<Instant>,
 }
 
+/// A text with line feeds alone, and whether it had those of Windows.
+fn lines(text: String) -> (String, bool) {
+    if text.contains("\r\n") { (text.replace("\r\n", "\n"), true) } else { (text, false) }
+}
+
 /// A preview.
 pub(super) struct Session {
     /// What stays as it is.
@@ -125,8 +132,9 @@ pub(super) struct Job {
 impl Session {
     /// A preview of this text.
     pub fn new(fixed: Fixed, text: String, frame: f32, set: Vec<(String, String, PixelValue)>) -> Session {
+        let (text, windows) = lines(text);
         let disk = Some(text.clone()).filter(|_| fixed.file.exists());
-        let state = State { text, disk, frame, set, version: 1, ..State::default() };
+        let state = State { text, windows, disk, frame, set, version: 1, ..State::default() };
         Session {
             fixed,
             state: Mutex::new(state),
@@ -238,7 +246,9 @@ impl Session {
                 return Err(Failure::plain("the file was changed elsewhere, and is not replaced unasked"));
             }
         }
-        write_file(&self.fixed.file, text.as_bytes())?;
+        let windows = self.state().windows;
+        let written = if windows { text.replace('\n', "\r\n") } else { text.clone() };
+        write_file(&self.fixed.file, written.as_bytes())?;
         let mut state = self.state();
         state.saves += u64::from(state.disk.as_ref() != Some(&text));
         state.disk = Some(text);
@@ -277,7 +287,11 @@ impl Session {
             state.files += 1;
             self.redraw(&mut state);
         }
-        let Some(text) = text.filter(|text| state.disk.as_ref() != Some(text)) else { return };
+        let Some((text, windows)) = text.map(lines) else { return };
+        state.windows = windows;
+        if state.disk.as_ref() == Some(&text) {
+            return;
+        }
         let untouched = state.disk.as_ref().is_none_or(|disk| *disk == state.text);
         state.disk = Some(text.clone());
         state.saves += 1;

@@ -18,27 +18,29 @@ let saves = 0;
 
 const tell = (text) => { $("status").textContent = text; };
 const failed = (error) => tell(String(error.message ?? error).trim());
-const send = (path, values) => post(path, values).catch(failed);
+/** Sends something, and tells whether it arrived. */
+const send = (path, values) => post(path, values).then(() => true, (error) => { failed(error); return false; });
 
 /** Sends the last of quickly following values, one at a time; `done` when there are no more. */
 function latest(path, done = () => {}) {
   let [busy, next] = [false, null];
   const go = async () => {
     busy = true;
+    let arrived = true;
     while (next) {
       const values = next;
       next = null;
-      await send(path, values);
+      arrived = await send(path, values);
     }
     busy = false;
-    done();
+    done(arrived);
   };
   return (values) => { next = values; if (!busy) go(); };
 }
 /** Is there text here that the server does not know yet? What it tells is then older than what is here. */
 let unsent = false;
 let typing = 0;
-const sendText = latest("text", () => { unsent = typing !== 0; });
+const sendText = latest("text", (arrived) => { unsent = typing !== 0 || !arrived; });
 const sendFrame = latest("frame");
 const setters = new Map();
 function setParam(name, value) {
@@ -59,8 +61,12 @@ const code = editor($("editor"), {
 });
 function save() {
   clearTimeout(typing);
-  [typing, unsent] = [0, false];
-  send("save", { text: code.text(), saves });
+  typing = 0;
+  unsent = true;
+  send("save", { text: code.text(), saves }).then((arrived) => {
+    unsent = !arrived;
+    if (arrived) tell("saved");
+  });
 }
 
 // What the server tells.
@@ -72,9 +78,12 @@ const handlers = {
     $("name").textContent = told.name;
     $("unsaved").hidden = told.saved;
     $("changed").hidden = !told.conflict;
+    // What was written while the server was away.
+    if (unsent && !typing) sendText({ text: code.text(), saves });
     if (!unsent && (first || told.from !== client)) code.take(told.text);
     // While there is a conflict, what is here is still of the old state.
     if (!unsent && !told.conflict) saves = told.saves;
+    if (!told.error) drawing();
     variables(told);
     params(told.params, setParam, (name) => send("write", { name }));
     $("time").hidden = !told.animated;
@@ -83,6 +92,7 @@ const handlers = {
     wrong(told.error);
   },
   async picture(told) {
+    if (told.full) clearTimeout(waiting);
     newest = told;
     outputs(told.outputs);
     await fetchPicture();
@@ -102,12 +112,23 @@ const handlers = {
   },
 };
 
+/** If it takes a while, the picture on the screen is an old one. */
+let waiting = 0;
+function drawing() {
+  clearTimeout(waiting);
+  waiting = setTimeout(() => tell("drawing…"), 300);
+}
+
 /** Shows what is wrong where it is; the picture stays. */
 function wrong(error) {
   $("error").hidden = !error;
   $("error").textContent = error ? error.rendered : "";
   code.wrong(error ? error.places : []);
-  if (error) { tell("the last good picture is shown"); $("progress").hidden = true; }
+  if (error) {
+    clearTimeout(waiting);
+    if (newest) tell("the last good picture is shown");
+    $("progress").hidden = true;
+  }
 }
 
 async function fetchPicture() {
@@ -122,6 +143,7 @@ async function fetchPicture() {
     if (turn !== wanted) return;
     const [width, height] = told.coarse;
     picture.show({ width, height, components: of.components, halves }, told.size);
+    under();
     // For who measures: what is on the screen since when.
     window.shown = { id: told.id, full: told.full, text: told.text, at: performance.timeOrigin + performance.now() };
   } catch (error) {
@@ -204,6 +226,13 @@ $("help").addEventListener("click", () => $("keys").showModal());
 
 // The pointer on the picture: a click looks inside a pixel, dragging moves it, the wheel zooms, two fingers do both.
 const frame = $("frame-of-canvas");
+let pointer = null;
+/** What the picture holds under the pointer. */
+function under() {
+  const at = pointer && picture.pixelAt(...pointer);
+  const values = at && picture.valueAt(at).map((x) => x.toPrecision(3)).join(" ");
+  $("under").textContent = at ? `[${at.join(" ")}] ${values}` : "";
+}
 const pointers = new Map();
 let moved = 0;
 frame.addEventListener("pointerdown", (event) => {
@@ -212,9 +241,8 @@ frame.addEventListener("pointerdown", (event) => {
   if (pointers.size === 1) moved = 0;
 });
 frame.addEventListener("pointermove", (event) => {
-  const at = picture.pixelAt(event.clientX, event.clientY);
-  const values = at && picture.valueAt(at).map((x) => x.toPrecision(3)).join(" ");
-  $("under").textContent = at ? `[${at.join(" ")}] ${values}` : "";
+  pointer = [event.clientX, event.clientY];
+  under();
   const before = pointers.get(event.pointerId);
   if (!before) return;
   const [dx, dy] = [event.clientX - before[0], event.clientY - before[1]];

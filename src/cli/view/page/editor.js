@@ -79,12 +79,17 @@ function documentation(text) {
   const dom = document.createElement("div");
   dom.className = "cm-doc";
   const escaped = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
-  dom.innerHTML = escaped
-    .replace(/```\w*\n([\s\S]*?)```/g, (_, code) => `<pre>${code}</pre>`)
-    .replace(/`([^`]+)`/g, "<code>$1</code>")
-    .replace(/\*([^*\n]+)\*/g, "<em>$1</em>")
-    .replace(/\[([^\]]+)\]\([^)]*\)/g, "$1")
-    .replace(/\n\n+/g, "<p>");
+  // Code is taken as it is, and only what stands between has marks.
+  dom.innerHTML = escaped.split(/(```\w*\n[\s\S]*?```|`[^`]+`)/).map((part, i) => {
+    if (i % 2 === 0) {
+      return part
+        .replace(/\*([^*\n]+)\*/g, "<em>$1</em>")
+        .replace(/\[([^\]]+)\]\([^)]*\)/g, "$1")
+        .replace(/\n\n+/g, "<p>");
+    }
+    const block = part.match(/^```\w*\n([\s\S]*?)```$/);
+    return block ? `<pre>${block[1]}</pre>` : `<code>${part.slice(1, -1)}</code>`;
+  }).join("");
   return dom;
 }
 

@@ -40,7 +40,7 @@ function build(all, set, write) {
     const label = document.createElement("label");
     label.textContent = name;
     label.htmlFor = `param-${name}`;
-    label.title = "Double-click: what the program says";
+    label.title = `${name}; double-click: what the program says`;
     label.addEventListener("dblclick", () => set(name, null));
     let slider = null;
     if (typeof param.value === "number") {

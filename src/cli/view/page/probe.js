@@ -44,6 +44,9 @@ export function probe(events, [x, y], code, failure) {
   }
   const program = events.find(({ event }) => event === "pixel")?.program;
   const lines = new Map();
+  // What is looked for most comes first.
+  const born = ({ event }) => event === "birth" || event === "error";
+  events = [...events.filter(born), ...events.filter((event) => !born(event))];
   const rows = [];
   let unfold = null;
   for (const event of events) {
