@@ -59,7 +59,7 @@ impl<'a> Texels<'a> {
         let mut put = |column: usize| {
             let x = column as i64 - left;
             let held = (0..image.width as i64).contains(&x);
-            let at = held.then_some(y * image.width + x as usize);
+            let at = held.then(|| y * image.width + x as usize);
             out.extend(planes.iter().map(|plane| at.map_or(0.0, |at| sound(plane[at]))));
             if wanted.opaque {
                 out.push(if held { 1.0 } else { 0.0 });

@@ -84,12 +84,13 @@ fn what_no_farm_can_run_is_said() {
     f.bad(2, "job p.pse --frame 1 --picture a.#.png -o j", &["--frames 1"]);
     f.bad(2, "job p.pse --repeat 3 -o j", &["--repeat", "a job has no use for it"]);
     f.bad(2, "job p.pse --chunk 3 -o j", &["--frames"]);
-    f.bad(2, "job p.pse --set a={{b}} -o j", &["{{"]);
+    f.bad(2, "job p.pse --name {{a}} -o j", &["{{"]);
     f.bad(2, "job p.pse -i d.##/a.exr --frames 1 -o j", &["folder", "name of the file"]);
     fs::create_dir(f.path("s")).expect("a folder");
     f.write("s/q.pse", "import \"../p.pse\"\ncolor = white\n");
     f.bad(1, "job s/q.pse -o j", &["lies in no folder of the program", "--path"]);
     assert!(!f.path("j/template.json").exists());
+    f.write("s/q.pse", "import \"p.pse\"\ncolor = white\n");
     f.good("job s/q.pse --path . -o k");
 }
 

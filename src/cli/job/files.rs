@@ -45,7 +45,7 @@ impl Files {
             if places.is_empty() {
                 let shown = file.display();
                 return Err(Failure::plain(format!("`{shown}` lies in no folder of the program"))
-                    .hint("A bundle has what lies beside the program, below it, and in the folders of --path. Name its folder with --path."));
+                    .hint("A bundle has what lies beside the program, below it, and in the folders of --path. Name its folder with --path, and import it without `..`."));
             }
             copies.extend(places.into_iter().map(|place| (place, file.clone())));
         }
