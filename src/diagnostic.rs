@@ -242,7 +242,7 @@ mod render {
             let end = (to..=last).find(|&i| self.0.is_char_boundary(i)).unwrap_or(last);
             let end = end.max(start);
             Ok(Box::new(miette::MietteSpanContents::new(
-                self.0[start..end].as_bytes(),
+                &self.0.as_bytes()[start..end],
                 (start, end - start).into(),
                 line.line(),
                 line.column(),

@@ -15,7 +15,7 @@ fn told(err: &str) -> (f64, usize) {
 fn memory_is_bounded() {
     let f = Folder::new();
     f.write("p.pse", "color = white * Noise(8 * point) + filterwidth(point)\nn = 2 * normal\n");
-    f.good("pse scene donut -q -o g.exr --size 2500x2000");
+    f.good("pse scene donut -q -o g.exr --size 2500x1200");
     f.good("pse run -q -e 'color = white * Noise(9 * point)' -i g.exr -o g.png");
     for (input, vars) in [("-i g.exr", "--vars color,n,point"), ("-e color -i g.png", "")] {
         let program = if vars.is_empty() { "" } else { "p.pse" };
