@@ -187,7 +187,7 @@ impl Joined {
                     failure
                 }
             })?;
-            if !file.streams() {
+            if !file.seeks() {
                 return Err(Failure::plain(format!("`{name}` is no tile: it is no EXR file"))
                     .hint("Only .exr files hold the numbers as they were computed, and where they lie."));
             }

@@ -88,7 +88,7 @@ fn what_no_farm_can_run_is_said() {
     f.bad(2, "job p.pse -i d.##/a.exr --frames 1 -o j", &["folder", "name of the file"]);
     fs::create_dir(f.path("s")).expect("a folder");
     f.write("s/q.pse", "import \"../p.pse\"\ncolor = white\n");
-    f.bad(1, "job s/q.pse -o j", &["lies in no folder of the program", "--path"]);
+    f.bad(1, "job s/q.pse -o j", &["outside of the folders that this program may read", "--path"]);
     assert!(!f.path("j/template.json").exists());
     f.write("s/q.pse", "import \"p.pse\"\ncolor = white\n");
     f.good("job s/q.pse --path . -o k");
