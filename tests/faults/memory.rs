@@ -36,7 +36,7 @@ fn memory_is_bounded() {
     f.bad(&format!("{run} --memory 20"), &["the run needs some", "--memory allows 20", "Give it more"]);
     f.bad(&format!("{run} --memory 120 --repeat 1"), &["the run needs some"]);
     f.bad(
-        "pse run p.pse -i g.exr -o c.tif --memory 120",
+        "pse run p.pse -i g.exr -o c.tif --memory 60",
         &["the run needs some", "Only EXR and PNG are read and written row by row"],
     );
 }
