@@ -203,6 +203,7 @@ impl Style {
 mod render {
     use super::{Diagnostic, Label, Severity, SourceId, Sources, Span, Style};
     use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource};
+    use std::borrow::Cow;
     use std::fmt;
 
     /// One source's share of a diagnostic, as miette wants it: labels of one text only.
@@ -282,6 +283,19 @@ mod render {
         }
     }
 
+    /// Bytes of a sentence that are shown, at its beginning and at its end: names and values of megabytes may stand in it.
+    const SENTENCE: [usize; 2] = [1000, 300];
+
+    /// A sentence without the middle that nobody reads.
+    fn short(text: &str) -> Cow<'_, str> {
+        let [first, last] = SENTENCE;
+        if text.len() <= first + last {
+            return text.into();
+        }
+        let whole = |at: usize| (at..text.len()).find(|&i| text.is_char_boundary(i)).unwrap_or(text.len());
+        format!("{} … {}", &text[..whole(first)], &text[whole(text.len() - last)..]).into()
+    }
+
     pub(super) fn render(d: &Diagnostic, sources: &Sources, style: Style) -> String {
         let theme = if style.color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let handler = GraphicalReportHandler::new_themed(theme)
@@ -298,7 +312,7 @@ mod render {
 
     fn report(d: &Diagnostic, sources: &Sources) -> Report {
         let primary = d.span().map(|s| s.source);
-        let mut message = d.message.clone();
+        let mut message = short(&d.message).into_owned();
         if let Some([column, row]) = d.pixel {
             message += &format!(" (at pixel [{column} {row}])");
         }
@@ -309,7 +323,7 @@ mod render {
                 .filter(|l| l.span.source == id)
                 .enumerate()
                 .map(|(i, l)| {
-                    let text = (!l.text.is_empty()).then(|| l.text.clone());
+                    let text = (!l.text.is_empty()).then(|| short(&l.text).into_owned());
                     let length = (l.span.end - l.span.start) as usize;
                     // What is underlined is short, as what is shown is.
                     let long = length > MOST && !sources.text(l.span)[..].contains('\n');
@@ -348,7 +362,8 @@ mod render {
             }),
             labels: primary.map_or(Vec::new(), of_source),
             source: primary.map(named),
-            help: (!d.hints.is_empty()).then(|| d.hints.join("\n")),
+            help: (!d.hints.is_empty())
+                .then(|| d.hints.iter().map(|h| short(h)).collect::<Vec<_>>().join("\n")),
             related,
         }
     }

@@ -3,8 +3,10 @@
 use super::failure::Failure;
 use super::frames;
 use super::region::Region;
+use super::scene::ViewArgs;
 use crate::image::{ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, Rows, read};
 use crate::scene::Renderer;
+use clap::Args;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -61,6 +63,28 @@ impl FromStr for MapArg {
             Err(ImageError { message, hints, .. }) => Err(format!("{message}. {}", hints.join(" "))),
         }
     }
+}
+
+/// The images that a program runs on.
+#[derive(Clone, Debug, Args)]
+pub(super) struct ImageArgs {
+    /// An image to run on; - is standard input. With NAME=, its variables are NAME.point, NAME.color, …
+    #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
+    pub input: Vec<InputArg>,
+    /// A built-in scene to run on, the donut if nothing is given; see pse scene --list
+    #[arg(long, value_name = "NAME", help_heading = "Input")]
+    pub scene: Option<String>,
+    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
+    #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
+    pub map: Vec<MapArg>,
+    /// How far apart pixels lie in the space of point, instead of what point tells
+    #[arg(long, value_name = "SIZE", help_heading = "Input")]
+    pub pixelsize: Option<f32>,
+    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
+    #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
+    pub space: Vec<String>,
+    #[command(flatten)]
+    pub view: ViewArgs,
 }
 
 /// An image whose header has been read.

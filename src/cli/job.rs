@@ -49,7 +49,7 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
     let RunWords { run, words } = &args.run;
     // What would fail on the farm is told here.
     let plan = Plan::new(run)?;
-    if run.program.is_stdin() || run.input.iter().any(|i| i.path == "-") {
+    if run.program.is_stdin() || run.images.input.iter().any(|i| i.path == "-") {
         return Err(Failure::usage("a job cannot read standard input: it runs elsewhere, and later")
             .hint("Give files."));
     }
@@ -66,7 +66,7 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
         program: files.program.clone(),
         lines: run.program.lines.clone(),
         paths: files.paths(),
-        inputs: template::Inputs::of(&run.input)?,
+        inputs: template::Inputs::of(&run.images.input)?,
     };
     let text = template.json()?;
     let make = |folder: &Path| {

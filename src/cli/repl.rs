@@ -6,10 +6,9 @@ mod picture;
 mod session;
 
 use super::failure::{Failure, print, warn};
-use super::input::{InputArg, Inputs, MapArg};
+use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
-use super::run::{LimitArgs, set, space};
-use super::scene::ViewArgs;
+use super::run::{LimitArgs, scene, set, space};
 use crate::image::Image;
 use crate::syntax::is_incomplete;
 use clap::Args;
@@ -31,29 +30,17 @@ use std::sync::atomic::Ordering;
 pub(super) struct ReplArgs {
     /// A program to begin with
     program: Option<PathBuf>,
-    /// An image to work on. With NAME=, its variables are NAME.point, NAME.color, …
-    #[arg(short, long, value_name = "FILE|NAME=FILE")]
-    input: Vec<InputArg>,
-    /// A built-in scene to work on, the donut if nothing is given; see pse scene --list
-    #[arg(long, value_name = "NAME")]
-    scene: Option<String>,
-    /// Read a variable from other channels than the names suggest
-    #[arg(long, value_name = "NAME=CHANNELS")]
-    map: Vec<MapArg>,
+    #[command(flatten)]
+    images: ImageArgs,
     /// Set a param to an expression: veins=6
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
-    #[arg(long, value_name = "NAME=MATRIX")]
-    space: Vec<String>,
     /// The number of the frame
     #[arg(long, value_name = "N", default_value_t = 0.0, allow_negative_numbers = true)]
     frame: f32,
     /// Look for imported files and for textures in this folder too
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
-    #[command(flatten)]
-    view: ViewArgs,
     #[command(flatten)]
     limits: LimitArgs,
 }
@@ -63,9 +50,11 @@ pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
     let (image, inputs) = load(args)?;
     let mut session = Session::new(image, inputs, args.path.clone());
     session.frame = args.frame;
+    session.pixelsize = args.images.pixelsize;
     session.limits = args.limits.limits();
     session.set = args.set.iter().map(|text| set(text, args.frame)).collect::<Result<_, _>>()?;
-    session.spaces = args.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
+    session.spaces =
+        args.images.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
     if let Some(program) = &args.program {
         print(&session.load(program)?)?;
     }
@@ -77,16 +66,8 @@ pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
 
 /// All that the inputs hold.
 fn load(args: &ReplArgs) -> Result<(Image<'static>, Inputs), Failure> {
-    let inputs = Inputs::open(&args.input, &args.map, false, None)?;
-    let plain = args.input.iter().any(|i| i.name.is_none());
-    let scene = match (&args.scene, plain) {
-        (Some(_), true) => {
-            return Err(Failure::usage("--scene and an image without a name are two inputs for one"));
-        }
-        (Some(name), false) => Some(args.view.renderer(name)?),
-        (None, true) => None,
-        (None, false) => Some(args.view.renderer("donut")?),
-    };
+    let inputs = Inputs::open(&args.images.input, &args.images.map, false, None)?;
+    let scene = scene(&args.images)?.map(|name| args.images.view.renderer(&name)).transpose()?;
     let names = inputs.variables();
     let mut reader = inputs.reader(scene.as_ref(), &names)?;
     let height = reader.about().height;

@@ -114,7 +114,7 @@ impl Work<'_> {
             return Ok(Done::Skipped);
         }
         let start = Instant::now();
-        let moving = args.input.iter().any(|i| frames::has_pattern(&i.path));
+        let moving = args.images.input.iter().any(|i| frames::has_pattern(&i.path));
         let input = match self.kept.take() {
             Some(input) => input,
             None => {
@@ -193,7 +193,7 @@ impl Job<'_> {
             resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
             frame,
             set,
-            pixelsize: args.pixelsize,
+            pixelsize: args.images.pixelsize,
             spaces,
             outputs: plan.vars.clone(),
             threads: args.threads,

@@ -4,10 +4,9 @@ mod json;
 mod text;
 
 use super::failure::{Failure, print, warn};
-use super::input::{InputArg, Inputs, MapArg};
+use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
 use super::run::{DEFAULT_SCENE, LimitArgs, frame, reading, scene, set, space};
-use super::scene::ViewArgs;
 use super::source::{self, ProgramArgs};
 use crate::image::Image;
 use crate::program::{Error, Program, RunOptions, Trace, TraceOptions};
@@ -49,29 +48,14 @@ pub(super) struct TraceArgs {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
-    /// An image to run on; - is standard input. With NAME=, its variables are NAME.point, NAME.color, …
-    #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
-    input: Vec<InputArg>,
-    /// A built-in scene to run on, the donut if nothing is given; see pse scene --list
-    #[arg(long, value_name = "NAME", help_heading = "Input")]
-    scene: Option<String>,
-    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
-    #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
-    map: Vec<MapArg>,
+    #[command(flatten)]
+    images: ImageArgs,
     /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
     #[arg(long, help_heading = "Input")]
     raw: bool,
-    /// How far apart pixels lie in the space of point, instead of what point tells
-    #[arg(long, value_name = "SIZE", help_heading = "Input")]
-    pixelsize: Option<f32>,
-    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
-    #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
-    space: Vec<String>,
     /// The number of the frame
     #[arg(long, value_name = "N", help_heading = "Input", allow_negative_numbers = true)]
     frame: Option<f32>,
-    #[command(flatten)]
-    view: ViewArgs,
     #[command(flatten)]
     limits: LimitArgs,
 }
@@ -98,19 +82,19 @@ impl FromStr for PixelArg {
 /// Tells what happens at the pixel.
 pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     interrupt::watch(true);
-    if args.program.is_stdin() && args.input.iter().any(|i| i.path == "-") {
+    if args.program.is_stdin() && args.images.input.iter().any(|i| i.path == "-") {
         return Err(Failure::usage("the program and an image cannot both be standard input"));
     }
-    let names = args.input.iter().map(|i| i.path.as_str());
+    let names = args.images.input.iter().map(|i| i.path.as_str());
     let frame = frame(args.frame, names)?;
     let (name, text) = args.program.read()?;
     let program = source::compile(&name, &text, &args.program.path)?;
     let set = args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?;
-    let spaces = args.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?;
-    let scene = scene(args.scene.as_deref(), &args.input, &args.view)?;
-    let inputs = Inputs::open(&args.input, &args.map, args.raw, frame.number)?;
-    let renderer = scene.as_ref().map(|name| args.view.renderer(name)).transpose()?;
-    let (wanted, around) = reading(&program, &[], args.pixelsize.is_some(), false);
+    let spaces = args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?;
+    let scene = scene(&args.images)?;
+    let inputs = Inputs::open(&args.images.input, &args.images.map, args.raw, frame.number)?;
+    let renderer = scene.as_ref().map(|name| args.images.view.renderer(name)).transpose()?;
+    let (wanted, around) = reading(&program, &[], args.images.pixelsize.is_some(), false);
     let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
     let [column, row] = place(args.pixel, reader.about())?;
     let own: Vec<String> = reader.names().filter(|n| !n.contains('.')).map(str::to_string).collect();
@@ -127,7 +111,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let options = RunOptions {
         frame: frame.value,
         set,
-        pixelsize: args.pixelsize,
+        pixelsize: args.images.pixelsize,
         spaces,
         limits: args.limits.limits(),
         texture_memory: Some(args.limits.textures()),
@@ -138,7 +122,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let depth = if args.calls { u32::MAX } else { args.depth };
     let wanted = TraceOptions { depth, limit: args.limit };
     let trace = program.trace(&image, column, row - top, &options, &wanted)?;
-    if args.scene.is_none() && args.input.is_empty() {
+    if args.images.scene.is_none() && args.images.input.is_empty() {
         warn(&format!("no input: this is the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"));
     }
     let about = text::About { trace: &trace, program: &program, name: &name, frame: frame.value };

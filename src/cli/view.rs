@@ -10,9 +10,8 @@ mod told;
 mod watch;
 
 use super::failure::{Failure, print, warn};
-use super::input::{InputArg, MapArg};
+use super::input::ImageArgs;
 use super::run::{LimitArgs, set, space};
-use super::scene::ViewArgs;
 use clap::Args;
 use server::Server;
 use session::Session;
@@ -31,21 +30,11 @@ use std::sync::Arc;
 pub(super) struct PreviewArgs {
     /// The program's file; one that does not exist yet is written at the first save
     program: PathBuf,
-    /// An image to work on. With NAME=, its variables are NAME.point, NAME.color, …
-    #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
-    pub input: Vec<InputArg>,
-    /// A built-in scene to work on, the donut if nothing is given; see pse scene --list
-    #[arg(long, value_name = "NAME", help_heading = "Input")]
-    pub scene: Option<String>,
-    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
-    #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
-    pub map: Vec<MapArg>,
+    #[command(flatten)]
+    pub images: ImageArgs,
     /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
     #[arg(long, help_heading = "Input")]
     pub raw: bool,
-    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
-    #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
-    space: Vec<String>,
     /// The number of the frame to begin with
     #[arg(
         long,
@@ -68,8 +57,6 @@ pub(super) struct PreviewArgs {
     #[arg(long)]
     open: bool,
     #[command(flatten)]
-    pub view: ViewArgs,
-    #[command(flatten)]
     limits: LimitArgs,
 }
 
@@ -82,7 +69,7 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
         let shown = text.split_once('=').map_or("", |(_, value)| value).trim().to_string();
         values.push((name, shown, value));
     }
-    let spaces = args.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
+    let spaces = args.images.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
     let text = match program(&args.program)? {
         Some(text) => text,
         None => {
@@ -94,6 +81,7 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
         file: args.program.clone(),
         path: args.path.clone(),
         spaces,
+        pixelsize: args.images.pixelsize,
         limits: args.limits.limits(),
         texture_memory: args.limits.textures(),
     };
@@ -112,6 +100,8 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
         warn(&format!("cannot open a browser: {error}"));
     }
     std::thread::spawn(move || server.serve());
+    let clock = Arc::clone(&session);
+    std::thread::spawn(move || clock.end_what_is_late());
     render::for_ever(&session, pictures, watcher)
 }
 

@@ -15,6 +15,7 @@ use crate::image::{Image, Variable};
 use crate::resolve::tree::*;
 use crate::resolve::{names, space_of, unreadable};
 use crate::shape::Shape;
+use crate::syntax::MAX_ERRORS;
 use crate::texture::Texture;
 use crate::value::{PixelValue, Plane, Value};
 use std::sync::Arc;
@@ -310,7 +311,7 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Result<(), Failure> {
     if errors.is_empty() { Ok(()) } else { Err(Failure::Program(errors)) }
 }
 
-/// Names that are read and come from nowhere.
+/// Names that are read and come from nowhere, the first of them.
 fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
     let nowhere = |(global, source): &(&Global, &Source<'_>)| {
         matches!(source, Source::Nowhere)
@@ -380,5 +381,6 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
             let has = bound.has.join(", ");
             Some(if bound.has.is_empty() { error } else { error.hint(format!("The input has {has}.")) })
         })
+        .take(MAX_ERRORS)
         .collect()
 }

@@ -6,7 +6,7 @@ use super::tree::{Expr, ExprKind};
 use super::{library, names, print};
 use crate::builtin::{self, Builtin, Kernel, ParamKind};
 use crate::diagnostic::{Diagnostic, Span};
-use crate::syntax::{self, ast};
+use crate::syntax::{self, MAX_ERRORS, ast};
 
 /// What a call's arguments are matched with.
 struct Signature {
@@ -118,6 +118,10 @@ impl Resolver<'_> {
         let error = error(format!("there is no function `{written}()`"));
         if let Some(ours) = names::of_other_languages(written) {
             return error.hint(ours);
+        }
+        if self.errors.len() >= MAX_ERRORS {
+            // It will not be shown; names that are like it are costly to find.
+            return error;
         }
         let known = self
             .own

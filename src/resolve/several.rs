@@ -3,10 +3,11 @@
 use super::names;
 use super::tree::Resolved;
 use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::syntax::MAX_ERRORS;
 
 /// Names that are read and never assigned, and look like a slip of a name that is known. An input may have a
 /// variable of that name after all: so they are warnings, and only told to who has to mend the program anyway.
-pub(super) fn unassigned(program: &Resolved) -> Vec<Diagnostic> {
+pub(super) fn unassigned(program: &Resolved) -> impl Iterator<Item = Diagnostic> {
     let own = program.globals.iter().filter(|g| !g.library && (g.assigned.is_some() || g.framed.is_some()));
     let known: Vec<&str> = own
         .map(|g| g.name.as_str())
@@ -14,18 +15,17 @@ pub(super) fn unassigned(program: &Resolved) -> Vec<Diagnostic> {
         .chain(names::SYSTEM.iter().map(|(name, _)| *name))
         .chain(names::USUAL_INPUTS.iter().copied())
         .collect();
-    let doubtful = program.globals.iter().filter(|g| !g.library && !known.contains(&g.name.as_str()));
-    doubtful
-        .filter_map(|g| {
-            let near = names::nearest(&g.name, known.iter().copied())?;
-            let warning =
-                Diagnostic::error("name", format!("nothing assigns `{}`", g.name), g.read?).warning();
-            Some(warning.hint(format!("Did you mean `{near}`?")))
-        })
-        .collect()
+    program.globals.iter().filter(|g| !g.library).filter_map(move |g| {
+        if known.contains(&g.name.as_str()) {
+            return None;
+        }
+        let near = names::nearest(&g.name, known.iter().copied())?;
+        let warning = Diagnostic::error("name", format!("nothing assigns `{}`", g.name), g.read?).warning();
+        Some(warning.hint(format!("Did you mean `{near}`?")))
+    })
 }
 
-/// Of the faults that were found, those that no error of reading the files, `syntax`, can be the cause of.
+/// Of the faults that were found, the first of those that no error of reading the files, `syntax`, can be the cause of.
 pub(super) fn credible(
     found: impl Iterator<Item = Diagnostic>,
     syntax: &[Diagnostic],
@@ -48,7 +48,7 @@ pub(super) fn credible(
             _ => bad.iter().any(inside),
         }
     };
-    found.filter(|d| !blamed(d)).collect()
+    found.filter(|d| !blamed(d)).take(MAX_ERRORS).collect()
 }
 
 /// The whole lines that a span touches.

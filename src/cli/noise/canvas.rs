@@ -42,6 +42,7 @@ impl Canvas {
     /// A white one; `None` if the typeface can't be read.
     pub fn new(width: usize, height: usize) -> Option<Canvas> {
         // The typeface is called Hack.
+        // The typeface is called Hack.
         let font = FontRef::try_from_slice(epaint_default_fonts::HACK_REGULAR).ok()?;
         Some(Canvas { width, height, pixels: vec![[255; 3]; width * height], font })
     }

@@ -33,6 +33,8 @@ pub(super) struct Session {
     pub set: Vec<(String, PixelValue)>,
     /// Where named spaces are.
     pub spaces: Vec<(String, Matrix4)>,
+    /// How far apart pixels lie, if that was given.
+    pub pixelsize: Option<f32>,
     /// The number of the frame.
     pub frame: f32,
     /// What a pixel may use up.
@@ -69,6 +71,7 @@ impl Session {
             pieces: Vec::new(),
             set: Vec::new(),
             spaces: Vec::new(),
+            pixelsize: None,
             frame: 0.0,
             limits: Limits::default(),
             file: None,
@@ -191,6 +194,7 @@ impl Session {
             frame: self.frame,
             set: set.cloned().collect(),
             spaces: self.spaces.clone(),
+            pixelsize: self.pixelsize,
             limits: self.limits,
             cancel: Some(&CANCEL),
             missing: if self.inputs.list.is_empty() { None } else { Some(missing) },

@@ -2,10 +2,9 @@
 
 use crate::cli::failure::Failure;
 use crate::cli::frames::Frames;
-use crate::cli::input::{InputArg, MapArg};
+use crate::cli::input::ImageArgs;
 use crate::cli::progress::Style;
 use crate::cli::region::Region;
-use crate::cli::scene::ViewArgs;
 use crate::cli::source::ProgramArgs;
 use crate::cli::tiles::Tile;
 use crate::eval::TEXTURE_MEMORY;
@@ -42,24 +41,11 @@ pub(in crate::cli) struct RunArgs {
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 
-    /// An image to run on; - is standard input. With NAME=, its variables are NAME.point, NAME.color, …
-    #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
-    pub input: Vec<InputArg>,
-    /// A built-in scene to run on; see pse scene --list
-    #[arg(long, value_name = "NAME", help_heading = "Input")]
-    pub scene: Option<String>,
-    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
-    #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
-    pub map: Vec<MapArg>,
+    #[command(flatten)]
+    pub images: ImageArgs,
     /// Take PNG, JPEG and the like as plain numbers, and write them so: no sRGB curve either way
     #[arg(long, help_heading = "Input")]
     pub raw: bool,
-    /// How far apart pixels lie in the space of point, instead of what point tells
-    #[arg(long, value_name = "SIZE", help_heading = "Input")]
-    pub pixelsize: Option<f32>,
-    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
-    #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
-    pub space: Vec<String>,
     /// The number of the frame
     #[arg(
         long,
@@ -82,9 +68,6 @@ pub(in crate::cli) struct RunArgs {
     /// How progress is told
     #[arg(long, value_enum, default_value_t, value_name = "STYLE", help_heading = "Frames")]
     pub progress: Style,
-
-    #[command(flatten)]
-    pub view: ViewArgs,
 
     /// A file to write, several if repeated; the extension tells the format. PROGRAM.png if not given; - is standard
     /// output, as EXR

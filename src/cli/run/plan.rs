@@ -2,9 +2,8 @@
 
 use super::RunArgs;
 use crate::cli::failure::Failure;
-use crate::cli::input::InputArg;
+use crate::cli::input::ImageArgs;
 use crate::cli::progress::Style;
-use crate::cli::scene::ViewArgs;
 use crate::cli::{frames, output, source, tiles};
 use crate::diagnostic::SourceId;
 use crate::eval::MAX_THREADS;
@@ -69,10 +68,10 @@ impl Plan {
             Ok(name) => Isa::from_name(&name).map_err(|e| Failure::usage(format!("PSE_SIMD: {e}")))?,
             Err(_) => Isa::detect(),
         };
-        if args.program.is_stdin() && args.input.iter().any(|i| i.path == "-") {
+        if args.program.is_stdin() && args.images.input.iter().any(|i| i.path == "-") {
             return Err(Failure::usage("the program and an image cannot both be standard input"));
         }
-        if args.input.iter().filter(|i| i.path == "-").count() > 1 {
+        if args.images.input.iter().filter(|i| i.path == "-").count() > 1 {
             return Err(Failure::usage("two images cannot both be standard input"));
         }
         let frames = frames(args)?;
@@ -124,12 +123,12 @@ impl Plan {
         values(args, frames.first().map_or(0.0, |frame| frame.value))?;
         let sampled = args.sampling().is_some();
         let (wanted, around) =
-            reading(&program, vars.as_deref().unwrap_or_default(), args.pixelsize.is_some(), sampled);
+            reading(&program, vars.as_deref().unwrap_or_default(), args.images.pixelsize.is_some(), sampled);
         Ok(Plan {
             wanted,
             around,
-            scene: scene(args.scene.as_deref(), &args.input, &args.view)?,
-            by_default: args.scene.is_none() && args.input.is_empty(),
+            scene: scene(&args.images)?,
+            by_default: args.images.scene.is_none() && args.images.input.is_empty(),
             name,
             program,
             vars,
@@ -157,8 +156,12 @@ impl Plan {
             }
             let format = output::check(&path)?;
             let program = args.program.program.as_deref();
-            let mut inputs =
-                args.input.iter().map(|i| name(Path::new(&i.path))).chain(textures(&self.program, frame));
+            let mut inputs = args
+                .images
+                .input
+                .iter()
+                .map(|i| name(Path::new(&i.path)))
+                .chain(textures(&self.program, frame));
             if let Some(input) = inputs.find(|i| same_file(i, &path)).filter(|_| !args.force) {
                 let shown = path.display();
                 let message = format!("the output `{shown}` is the input `{}`", input.display());
@@ -182,7 +185,7 @@ fn frames(args: &RunArgs) -> Result<Vec<Frame>, Failure> {
         return Ok(list.0.iter().map(|&n| Frame { value: n as f32, number: Some(n) }).collect());
     }
     let outputs: Vec<_> = args.output.iter().map(|o| o.to_string_lossy()).collect();
-    let names = args.input.iter().map(|i| i.path.as_str()).chain(outputs.iter().map(|o| &**o));
+    let names = args.images.input.iter().map(|i| i.path.as_str()).chain(outputs.iter().map(|o| &**o));
     Ok(vec![frame(args.frame, names)?])
 }
 
@@ -218,18 +221,15 @@ fn paths(args: &RunArgs, frames: usize) -> Vec<PathBuf> {
 }
 
 /// The scene to run on, if any.
-pub(in crate::cli) fn scene(
-    name: Option<&str>,
-    input: &[InputArg],
-    view: &ViewArgs,
-) -> Result<Option<String>, Failure> {
+pub(in crate::cli) fn scene(images: &ImageArgs) -> Result<Option<String>, Failure> {
+    let ImageArgs { scene: name, input, view, .. } = images;
     if name.is_some() && input.iter().any(|i| i.name.is_none()) {
         return Err(Failure::usage("--scene and an image without a name are two inputs for one")
             .hint("Leave out one of them, or name the image: -i bg=FILE."));
     }
     if let Some(name) = name {
         crate::scene::find(name)?;
-        return Ok(Some(name.into()));
+        return Ok(Some(name.clone()));
     }
     if !input.is_empty() {
         return match view.is_given() {
@@ -292,7 +292,7 @@ pub(super) type Values = (Vec<(String, PixelValue)>, Vec<(String, Matrix4)>);
 /// What is set for a frame, and where named spaces are in it.
 pub(super) fn values(args: &RunArgs, frame: f32) -> Result<Values, Failure> {
     let set = args.set.iter().map(|text| set(text, frame)).collect::<Result<_, _>>()?;
-    let spaces = args.space.iter().map(|text| space(text, frame)).collect::<Result<_, _>>()?;
+    let spaces = args.images.space.iter().map(|text| space(text, frame)).collect::<Result<_, _>>()?;
     Ok((set, spaces))
 }
 

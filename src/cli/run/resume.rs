@@ -43,15 +43,15 @@ impl Hashes {
         let options = format!(
             "{:?}",
             (
-                (frame.value, set, spaces, args.pixelsize),
-                (&plan.scene, &args.view, &args.map, args.raw),
+                (frame.value, set, spaces, args.images.pixelsize),
+                (&plan.scene, &args.images.view, &args.images.map, args.raw),
                 (&plan.vars, &plan.shown, args.region, args.tile, args.half, args.bits),
                 (args.samples, args.filter, args.seed),
             )
         );
         add(options.as_bytes());
         let named = |path: &str| frame.number.map_or_else(|| path.into(), |f| frames::fill(path, f));
-        let inputs = args.input.iter().map(|i| (i.name.as_deref(), PathBuf::from(named(&i.path))));
+        let inputs = args.images.input.iter().map(|i| (i.name.as_deref(), PathBuf::from(named(&i.path))));
         for (name, path) in inputs.chain(textures(&plan.program, frame.number).map(|path| (None, path))) {
             let Some(hash) = self.of(&path) else { return Ok(None) };
             add(name.unwrap_or_default().as_bytes());
@@ -68,7 +68,8 @@ pub(super) fn is_done(outputs: &[Output], hash: &str) -> bool {
 
 /// What cannot be resumed is told before the work.
 pub(super) fn check(args: &RunArgs) -> Result<(), Failure> {
-    let pipe = args.input.iter().any(|i| i.path == "-") || args.output.iter().any(|o| o.as_os_str() == "-");
+    let pipe =
+        args.images.input.iter().any(|i| i.path == "-") || args.output.iter().any(|o| o.as_os_str() == "-");
     match args.resume && pipe {
         true => Err(Failure::usage("--resume is for files, and - is none")
             .hint("Give files with -i and -o, or leave out --resume.")),

@@ -72,7 +72,7 @@ impl Drawing {
         let size = [picture.image.width, picture.image.height];
         let started = Instant::now();
         if self.took.is_none_or(|took| took > SOON) && size[0].min(size[1]) > 8 * COARSE {
-            let coarse = RunOptions { every: COARSE, cancel: Some(&session.late), ..options.clone() };
+            let coarse = RunOptions { every: COARSE, ..options.clone() };
             self.show(session, job, &program, &picture, &coarse, started)?;
         }
         let news = Mutex::new(Instant::now());
@@ -155,7 +155,6 @@ impl Drawing {
         // Perhaps there is something newer to draw; this is newer than what is on the screen.
         let mut state = session.state();
         let full = options.every <= 1;
-        let was_wrong = state.error.take().is_some();
         let drawn = session.keep(&mut state, report.image);
         let told = Told {
             id: drawn.id,
@@ -174,9 +173,6 @@ impl Drawing {
             frame: job.frame,
             set: job.set.clone(),
         }));
-        if was_wrong {
-            session.tell_state(&mut state);
-        }
         Ok(took)
     }
 }

@@ -30,6 +30,8 @@ pub(super) struct Fixed {
     pub path: Vec<PathBuf>,
     /// Where named spaces are.
     pub spaces: Vec<(String, Matrix4)>,
+    /// How far apart pixels lie, if that was given.
+    pub pixelsize: Option<f32>,
     /// What a pixel may use up.
     pub limits: Limits,
     /// Bytes that textures may take.
@@ -98,7 +100,8 @@ pub(super) struct State {
     drawn: VecDeque<Arc<Drawn>>,
     drawings: u64,
     pages: Vec<Sender<String>>,
-    /// When the newest drawing began.
+    /// The number of the change that is being drawn, and when that began.
+    drawing: u64,
     begun: Option<Instant>,
 }
 
@@ -158,9 +161,6 @@ impl Session {
     fn redraw(&self, state: &mut State) {
         state.version += 1;
         self.cancel.store(true, Ordering::Relaxed);
-        if state.begun.is_some_and(|begun| begun.elapsed() > GRACE) {
-            self.late.store(true, Ordering::Relaxed);
-        }
         self.changed.notify_all();
     }
 
@@ -172,7 +172,7 @@ impl Session {
         }
         self.cancel.store(false, Ordering::Relaxed);
         self.late.store(false, Ordering::Relaxed);
-        state.begun = Some(Instant::now());
+        (state.drawing, state.begun) = (state.version, Some(Instant::now()));
         Job {
             version: state.version,
             files: state.files,
@@ -180,6 +180,27 @@ impl Session {
             set: state.set.iter().map(|(name, _, value)| (name.clone(), value.clone())).collect(),
             frame: state.frame,
             also: state.also.clone(),
+        }
+    }
+
+    /// Ends, for ever, what is still being drawn although it is out of date and its time is over.
+    pub fn end_what_is_late(&self) -> ! {
+        let mut state = self.state();
+        loop {
+            let begun = state.begun.filter(|_| state.version != state.drawing);
+            let rest = begun.map(|begun| GRACE.saturating_sub(begun.elapsed()));
+            state = match rest {
+                Some(Duration::ZERO) => {
+                    self.late.store(true, Ordering::Relaxed);
+                    state.begun = None;
+                    state
+                }
+                Some(rest) => {
+                    let woken = self.changed.wait_timeout(state, rest);
+                    woken.unwrap_or_else(PoisonError::into_inner).0
+                }
+                None => self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
+            };
         }
     }
 
@@ -237,6 +258,8 @@ impl Session {
 
     /// Writes the text into the file.
     pub fn save(&self, text: String, from: &str, saves: u64) -> Result<(), Failure> {
+        // The file may have changed a moment ago.
+        self.files_changed(std::slice::from_ref(&self.fixed.file));
         self.edit(text.clone(), from, saves);
         {
             let mut state = self.state();
@@ -388,6 +411,7 @@ impl Session {
             frame,
             set: set.iter().filter(|(name, _)| has(name)).cloned().collect(),
             spaces: self.fixed.spaces.clone(),
+            pixelsize: self.fixed.pixelsize,
             limits: self.fixed.limits,
             texture_memory: Some(self.fixed.texture_memory),
             ..RunOptions::default()

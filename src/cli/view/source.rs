@@ -42,9 +42,15 @@ pub(super) struct Picture {
 impl Pictures {
     /// What the arguments name.
     pub fn new(args: &PreviewArgs) -> Result<Pictures, Failure> {
-        let scene = scene(args.scene.as_deref(), &args.input, &args.view)?;
-        let scene = scene.map(|name| args.view.renderer(&name)).transpose()?;
-        Ok(Pictures { input: args.input.clone(), map: args.map.clone(), raw: args.raw, scene, kept: None })
+        let images = &args.images;
+        let scene = scene(images)?.map(|name| images.view.renderer(&name)).transpose()?;
+        Ok(Pictures {
+            input: images.input.clone(),
+            map: images.map.clone(),
+            raw: args.raw,
+            scene,
+            kept: None,
+        })
     }
 
     /// The files of a frame.
