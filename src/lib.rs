@@ -12,6 +12,7 @@ pub mod image;
 pub mod lanes;
 pub mod math;
 pub mod measure;
+pub mod mesh;
 pub mod noise;
 mod program;
 pub mod reference;

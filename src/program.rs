@@ -42,11 +42,12 @@ pub struct Compiler<'h> {
     host: &'h dyn Host,
     functions: HostFunctions,
     value: Option<String>,
+    entrance: Option<resolve::Entrance>,
 }
 
 impl Default for Compiler<'_> {
     fn default() -> Self {
-        Compiler { host: &NoFiles, functions: HostFunctions::new(), value: None }
+        Compiler { host: &NoFiles, functions: HostFunctions::new(), value: None, entrance: None }
     }
 }
 
@@ -69,6 +70,26 @@ impl<'h> Compiler<'h> {
         self
     }
 
+    /// Compiles one function of the program instead of what runs at pixels: its value at each is a variable of its name,
+    /// and it is given the variables `arguments`. Outer statements are run as far as it needs what they assign.
+    ///
+    /// ```
+    /// use pse::{Compiler, Image, RunOptions, Shape, Variable};
+    ///
+    /// let text = "r = 2\nfunction density(p)\n    return r - length(p)\ncolor = white * normal.z";
+    /// let program = Compiler::new().entrance("density", &["point"]).compile("ball", text)?;
+    /// let point = Variable::new("point", Shape::Vector(3), [vec![0.0, 3.0], vec![0.0; 2], vec![1.0, 4.0]])?;
+    /// let points = Image::new(2, 1, [point])?;
+    /// let report = program.run(&points, &RunOptions::default())?;
+    /// assert_eq!(report.image.variable("density").unwrap().planes[0][..], [1.0, -3.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn entrance(mut self, function: &str, arguments: &[&str]) -> Self {
+        let arguments = arguments.iter().map(|a| a.to_string()).collect();
+        self.entrance = Some(resolve::Entrance { function: function.to_string(), arguments });
+        self
+    }
+
     /// Adds a function to the language; it hides a built-in one of the same name.
     pub fn function(mut self, function: HostFunction) -> Compiler<'h> {
         self.functions.insert(function.name().to_string(), Arc::new(function));
@@ -80,7 +101,14 @@ impl<'h> Compiler<'h> {
     /// # Errors
     /// Every fault that could be found in the text.
     pub fn compile(&self, name: &str, text: &str) -> Result<Program, Error> {
-        match resolve::resolve(name, text, self.host, &self.functions, self.value.as_deref()) {
+        match resolve::resolve(
+            name,
+            text,
+            self.host,
+            &self.functions,
+            self.value.as_deref(),
+            self.entrance.as_ref(),
+        ) {
             Ok(resolved) => Ok(Program { resolved }),
             Err((diagnostics, sources)) => Err(Error { diagnostics, sources, cancelled: false }),
         }

@@ -13,8 +13,9 @@ const UNKNOWN: u32 = 64;
 /// No work is counted higher than this.
 const MOST: u32 = 1 << 20;
 
-/// Notes the effects of every block of an `if`, and of every `while` loop.
-pub(super) fn mark(program: &mut Resolved) {
+/// Notes the effects of every block of an `if`, and of every `while` loop. Gives what each statement of the outer level
+/// touches.
+pub(super) fn mark(program: &mut Resolved) -> Vec<Seen> {
     let reads: Vec<Vec<u32>> = program.functions.iter().map(|f| f.reads.iter().copied().collect()).collect();
     let count = program.functions.len();
     let prints = program.functions.iter().map(|f| f.prints).collect();
@@ -49,23 +50,33 @@ pub(super) fn mark(program: &mut Resolved) {
     if let Some(block) = &mut program.by_normal {
         marker.block(block, &mut Seen::default());
     }
+    seen
 }
 
 /// Which of the outer statements shadows have to run: those that ask for derivatives, and those that assign what such
 /// statements read or assign.
 fn shadowed(body: &[Seen]) -> Vec<bool> {
-    let mut shadowed = vec![false; body.len()];
-    let mut touched: BTreeSet<Place> = BTreeSet::new();
+    needed(body, BTreeSet::new(), |seen| seen.shadows)
+}
+
+/// Which of the outer statements are `wanted` or assign what is `touched`, and those that assign what such statements read
+/// or assign.
+pub(super) fn needed(
+    body: &[Seen],
+    mut touched: BTreeSet<Place>,
+    wanted: impl Fn(&Seen) -> bool,
+) -> Vec<bool> {
+    let mut needed = vec![false; body.len()];
     loop {
         let before = touched.len();
-        for (seen, shadowed) in body.iter().zip(&mut shadowed) {
-            if *shadowed || seen.shadows || seen.writes.iter().any(|place| touched.contains(place)) {
-                *shadowed = true;
+        for (seen, needed) in body.iter().zip(&mut needed) {
+            if *needed || wanted(seen) || seen.writes.iter().any(|place| touched.contains(place)) {
+                *needed = true;
                 touched.extend(seen.reads.iter().chain(&seen.writes));
             }
         }
         if touched.len() == before {
-            return shadowed;
+            return needed;
         }
     }
 }
@@ -83,14 +94,14 @@ struct Marker {
 
 /// What has been seen of a block so far.
 #[derive(Default)]
-struct Seen {
-    reads: Vec<Place>,
-    writes: Vec<Place>,
+pub(super) struct Seen {
+    pub reads: Vec<Place>,
+    pub writes: Vec<Place>,
     /// `break` and `continue` of a loop around.
     breaks: bool,
     returns: bool,
     /// Derivatives, or look-ups that may take their width from them.
-    shadows: bool,
+    pub shadows: bool,
     prints: bool,
     work: u32,
 }

@@ -34,6 +34,8 @@ pub(super) struct Resolver<'a> {
     pub texts: Vec<(String, Span)>,
     /// The variable that has the value of the last outer expression, if it is not to be `color` alone.
     pub value: Option<&'a str>,
+    /// The one function that is asked, if it is not the whole program that runs.
+    pub entry: Option<&'a super::Entrance>,
 }
 
 impl<'a> Resolver<'a> {
@@ -52,6 +54,7 @@ impl<'a> Resolver<'a> {
             framed_calls: Vec::new(),
             texts: Vec::new(),
             value: None,
+            entry: None,
         }
     }
 
@@ -89,7 +92,10 @@ impl<'a> Resolver<'a> {
         super::rate::close_reads(&mut self.out.functions, &self.calls);
         self.check_framed_calls();
         super::rate::mark(&mut self.out);
-        super::effects::mark(&mut self.out);
+        let seen = super::effects::mark(&mut self.out);
+        if let Some(entry) = self.entry {
+            self.errors.extend(super::entry::prune(&mut self.out, entry, &seen));
+        }
         std::mem::take(&mut self.out)
     }
 

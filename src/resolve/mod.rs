@@ -7,6 +7,7 @@ pub mod tree;
 
 mod call;
 mod effects;
+mod entry;
 mod expr;
 mod import;
 mod library;
@@ -17,6 +18,7 @@ mod several;
 mod spaces;
 mod texture;
 
+pub use entry::Entrance;
 pub use import::{Files, Import, gather};
 pub use library::{Comment, Entry, entries as library_entries};
 pub use scope::assigned;
@@ -41,19 +43,24 @@ pub fn is_standard_function(name: &str) -> bool {
 }
 
 /// Reads and resolves a program called `name`. On failure: every error that could be found, and the texts they
-/// point into.
+/// point into. `value` names the variable of the last outer expression; with an `entry` the program is one function.
 pub fn resolve(
     name: &str,
     text: &str,
     host: &dyn Host,
     functions: &HostFunctions,
     value: Option<&str>,
+    entry: Option<&Entrance>,
 ) -> Result<Resolved, (Vec<Diagnostic>, Sources)> {
     let mut sources = Sources::default();
     let mut errors = Vec::new();
-    let files = import::gather(name, text, &mut sources, host, &mut errors);
+    let mut files = import::gather(name, text, &mut sources, host, &mut errors);
+    if let Some(entry) = entry {
+        entry.call(&mut files, &mut sources, &mut errors);
+    }
     let mut resolver = lower::Resolver::new(&mut sources, host, functions);
     resolver.value = value;
+    resolver.entry = entry;
     resolver.program(&files);
     let mut resolved = resolver.finish();
     let found = resolver.errors;

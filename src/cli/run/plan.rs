@@ -13,6 +13,7 @@ use crate::program::{Program, RunOptions};
 use crate::shape::Shape;
 use crate::syntax;
 use crate::value::PixelValue;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// The scene for who names no image.
@@ -273,17 +274,13 @@ pub(in crate::cli) fn reading(
 fn wanted(program: &Program, vars: &[String], looks: impl Iterator<Item = &'static str>) -> Vec<String> {
     // A variable that is only assigned at some pixels keeps the image's value at the others.
     let own = program.resolved().globals.iter().filter(|g| !g.library && g.framed.is_none());
-    let mut names: Vec<String> = Vec::new();
-    for name in own
-        .map(|g| g.name.as_str())
+    let mut seen = HashSet::new();
+    own.map(|g| g.name.as_str())
         .chain(vars.iter().map(String::as_str))
         .chain(looks.map(|n| -> &str { n }))
-    {
-        if !names.iter().any(|n| n == name) {
-            names.push(name.to_string());
-        }
-    }
-    names
+        .filter(|name| seen.insert(*name))
+        .map(String::from)
+        .collect()
 }
 
 /// Values that are set, and where spaces are.

@@ -1,0 +1,87 @@
+//! A program as one function: what is asked at points of space, instead of what runs at pixels.
+
+use super::effects::{Seen, needed};
+use super::import::Files;
+use super::tree::{Place, Resolved};
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::syntax::{self, ast};
+use std::collections::BTreeSet;
+
+/// A function of the program that is asked from outside, with what it is given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entrance {
+    /// The function's name; its value becomes a variable of this name.
+    pub function: String,
+    /// The variables that it is given, in order.
+    pub arguments: Vec<String>,
+}
+
+impl Entrance {
+    /// `density(p)`, as it is written.
+    fn written(&self) -> String {
+        format!("{}({})", self.function, self.arguments.join(", "))
+    }
+
+    /// Adds the call behind the program's own statements.
+    pub(super) fn call(&self, files: &mut Files, sources: &mut Sources, errors: &mut Vec<Diagnostic>) {
+        let own = |stmt: &ast::Stmt| match &stmt.kind {
+            ast::StmtKind::Function(f) if f.name.text == self.function => {
+                Some((f.name.span, f.params.len(), f.params.iter().filter(|(_, d)| d.is_none()).count()))
+            }
+            _ => None,
+        };
+        let Some((span, most, least)) = files.imported.iter().chain(&files.body).find_map(own) else {
+            if errors.is_empty() {
+                let message = format!("the program has no function `{}`", self.written());
+                let hint = format!("Write one: `function {}`, and what it returns below.", self.written());
+                errors.push(Diagnostic::bare("name", message).hint(hint));
+            }
+            return;
+        };
+        let given = self.arguments.len();
+        if !(least..=most).contains(&given) {
+            let message = format!("`{}()` is asked as `{}`", self.function, self.written());
+            let takes = if given > most {
+                format!("it takes {most} of these")
+            } else {
+                format!("it takes {least}, and is given {given}")
+            };
+            let error = Diagnostic::error("call", message, span).label(span, takes);
+            errors.push(error.hint("Give a default to whatever else it takes."));
+            return;
+        }
+        let text = format!("{} = {}", self.function, self.written());
+        let id = sources.add("<what is asked>", text.as_str());
+        files.body.extend(syntax::parse(id, &text).module.body);
+    }
+}
+
+/// Leaves of the outer statements those that the function needs: those that assign what it reads, and what these read.
+pub(super) fn prune(program: &mut Resolved, entry: &Entrance, seen: &[Seen]) -> Option<Diagnostic> {
+    let slot = |name: &str| program.globals.iter().position(|g| !g.library && g.name == name);
+    let result = Place::Global(slot(&entry.function)? as u32);
+    let needed = needed(seen, BTreeSet::from([result]), |_| false);
+    let part = || seen.iter().zip(&needed).filter(|(_, needed)| **needed).map(|(seen, _)| seen);
+    let reads: BTreeSet<Place> = part().flat_map(|seen| &seen.reads).copied().collect();
+    let writes: BTreeSet<Place> = part().flat_map(|seen| &seen.writes).copied().collect();
+    let shadows = part().any(|seen| seen.shadows);
+    for (slot, global) in program.globals.iter_mut().enumerate() {
+        let place = Place::Global(slot as u32);
+        if !reads.contains(&place) && global.framed.is_none() {
+            global.read = None;
+        }
+        if !writes.contains(&place) {
+            global.assigned = None;
+        }
+    }
+    let mut keep = needed.iter();
+    program.body.retain(|_| keep.next().is_some_and(|keep| *keep));
+    program.by_normal = None;
+    program.derivatives = false;
+    program.shadowed = Vec::new();
+    shadows.then(|| {
+        let message = format!("`{}` looks at neighbouring pixels", entry.written());
+        let hint = "It is asked at points that have none: leave out derivatives, and give look-ups in images a width.";
+        Diagnostic::bare("derivative", message).hint(hint)
+    })
+}
