@@ -71,7 +71,7 @@ impl<'h> Compiler<'h> {
     }
 
     /// Compiles one function of the program instead of what runs at pixels: its value at each is a variable of its name,
-    /// and it is given the variables `arguments`. Outer statements are run as far as it needs what they assign.
+    /// and it is given the variables `arguments`, as many of them as it takes. Outer statements are run as far as it needs what they assign.
     ///
     /// ```
     /// use pse::{Compiler, Image, RunOptions, Shape, Variable};
@@ -315,6 +315,14 @@ impl Program {
     pub fn has_texture_sequence(&self) -> bool {
         let textures = &self.resolved.textures;
         textures.iter().any(|(source, _)| source.path(0.0).ok() != source.path(1.0).ok())
+    }
+
+    /// Has it, or an import of it, a function of that name?
+    pub fn defines(&self, function: &str) -> bool {
+        let own = |f: &&resolve::tree::Function| {
+            !self.resolved.sources.get(f.span.source).name.starts_with("library/")
+        };
+        self.resolved.functions.iter().filter(own).any(|f| f.name == function)
     }
 
     /// The program after names were resolved.

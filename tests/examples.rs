@@ -17,11 +17,16 @@ fn commands(text: &str) -> Vec<String> {
         .collect()
 }
 
+/// The command that is tested: this build's, or another one, as of another machine: `PSE_COMMAND='qemu-aarch64 -L … pse'`.
+fn tested() -> String {
+    std::env::var("PSE_COMMAND").unwrap_or_else(|_| format!("'{}'", env!("CARGO_BIN_EXE_pse")))
+}
+
 /// The same at a small size, with the tested binary and more options. Frames are cut to three.
 fn small(command: &str, [width, height]: [u32; 2], more: &str) -> String {
     let mut line = String::new();
     for part in command.split('|') {
-        let part = part.trim().replacen("pse run", &format!("'{}' run -q", env!("CARGO_BIN_EXE_pse")), 1);
+        let part = part.trim().replacen("pse run", &format!("{} run -q", tested()), 1);
         let mut words: Vec<&str> = part.split(' ').collect();
         if let Some(i) = words.iter().position(|w| *w == "--size") {
             words.drain(i..i + 2);

@@ -8,6 +8,7 @@ mod check;
 mod completions;
 pub mod doc;
 mod failure;
+mod flow;
 mod fmt;
 mod frames;
 mod info;
@@ -74,6 +75,8 @@ enum Command {
     Join(join::JoinArgs),
     /// Write the G-buffer of a built-in scene, or list the scenes
     Scene(scene::SceneArgs),
+    /// Follow points that a program's velocity carries along, and draw their lines
+    Flow(Box<flow::FlowArgs>),
     /// Show the kinds of noise, with their spectra, or tell about them
     Noise(noise::NoiseArgs),
     /// Tell what an image file holds, and what programs call it
@@ -103,6 +106,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Job(args)) => job::job(&args),
         Some(Command::Join(args)) => join::join(&args),
         Some(Command::Scene(args)) => scene::scene(&args),
+        Some(Command::Flow(args)) => flow::flow(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Info(args)) => info::info(&args),
         Some(Command::Check(args)) => check::check(&args),

@@ -10,7 +10,7 @@ mod resume;
 mod stream;
 
 pub(super) use args::{LimitArgs, RunArgs, bits, positive};
-pub(super) use plan::{DEFAULT_SCENE, Plan, frame, reading, scene, set, space};
+pub(super) use plan::{DEFAULT_SCENE, Frame, Plan, frame, reading, scene, set, space};
 
 use super::failure::{Failure, print, show, warn};
 use super::frames;
@@ -24,7 +24,7 @@ use crate::eval::{BATCH, Places, Resample};
 use crate::image::Image;
 use crate::program::{Limits, Progress, RunOptions};
 use input::FrameInput;
-use plan::{Frame, Output};
+use plan::Output;
 use resume::Hashes;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

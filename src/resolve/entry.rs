@@ -12,14 +12,14 @@ use std::collections::BTreeSet;
 pub struct Entrance {
     /// The function's name; its value becomes a variable of this name.
     pub function: String,
-    /// The variables that it is given, in order.
+    /// The variables that it is given, in order: as many as it takes.
     pub arguments: Vec<String>,
 }
 
 impl Entrance {
-    /// `density(p)`, as it is written.
-    fn written(&self) -> String {
-        format!("{}({})", self.function, self.arguments.join(", "))
+    /// `density(point)`, with the first so many arguments.
+    fn written(&self, arguments: usize) -> String {
+        format!("{}({})", self.function, self.arguments[..arguments].join(", "))
     }
 
     /// Adds the call behind the program's own statements.
@@ -30,27 +30,25 @@ impl Entrance {
             }
             _ => None,
         };
+        let given = self.arguments.len();
         let Some((span, most, least)) = files.imported.iter().chain(&files.body).find_map(own) else {
+            // What could not be read may have been it.
             if errors.is_empty() {
-                let message = format!("the program has no function `{}`", self.written());
-                let hint = format!("Write one: `function {}`, and what it returns below.", self.written());
-                errors.push(Diagnostic::bare("name", message).hint(hint));
+                let written = self.written(given);
+                let error = Diagnostic::bare("name", format!("the program has no function `{written}`"));
+                errors.push(
+                    error.hint(format!("Write one: `function {written}`, and below it what it returns.")),
+                );
             }
             return;
         };
-        let given = self.arguments.len();
-        if !(least..=most).contains(&given) {
-            let message = format!("`{}()` is asked as `{}`", self.function, self.written());
-            let takes = if given > most {
-                format!("it takes {most} of these")
-            } else {
-                format!("it takes {least}, and is given {given}")
-            };
-            let error = Diagnostic::error("call", message, span).label(span, takes);
+        if least > given {
+            let message = format!("`{}()` is asked as `{}`", self.function, self.written(given));
+            let error = Diagnostic::error("call", message, span).label(span, format!("it takes {least}"));
             errors.push(error.hint("Give a default to whatever else it takes."));
             return;
         }
-        let text = format!("{} = {}", self.function, self.written());
+        let text = format!("{} = {}", self.function, self.written(given.min(most)));
         let id = sources.add("<what is asked>", text.as_str());
         files.body.extend(syntax::parse(id, &text).module.body);
     }
@@ -80,7 +78,7 @@ pub(super) fn prune(program: &mut Resolved, entry: &Entrance, seen: &[Seen]) -> 
     program.derivatives = false;
     program.shadowed = Vec::new();
     shadows.then(|| {
-        let message = format!("`{}` looks at neighbouring pixels", entry.written());
+        let message = format!("`{}()` looks at neighbouring pixels", entry.function);
         let hint = "It is asked at points that have none: leave out derivatives, and give look-ups in images a width.";
         Diagnostic::bare("derivative", message).hint(hint)
     })

@@ -16,7 +16,7 @@
 //! - Where nothing was hit, everything but `depth` and `I` is 0.
 
 mod bernstein;
-mod camera;
+pub(crate) mod camera;
 mod cuboid;
 mod error;
 mod gather;

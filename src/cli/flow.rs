@@ -1,0 +1,326 @@
+//! `pse flow`: points that a program's `velocity(p)` carries along, drawn as lines or written as points.
+
+use super::failure::{Failure, warn};
+use super::frames::{self, Frames};
+use super::input::{ImageArgs, Inputs};
+use super::interrupt::{self, CANCEL};
+use super::output;
+use super::progress::{Meter, Style};
+use super::run::{Frame, LimitArgs, frame, positive, set, space};
+use super::scene::{Box3, box3};
+use super::source::ProgramArgs;
+use crate::flow::{self, Flow, Pen, Projection, Trajectories};
+use crate::host::Disk;
+use crate::image::{Format, Image, NewFile, WriteOptions, write};
+use crate::program::RunOptions;
+use clap::Args;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  pse flow fur.pse --scene donut --every 3 -o fur.png       hair from what a camera sees
+  pse flow smoke.pse --grid 24x24x1 --steps 200             from a grid, into smoke.png
+  pse flow fireball.pse --ball 4000 --frames 1-48 -o fire.####.png
+  pse flow fur.pse -i gbuffer.exr -o fur.exr                a G-buffer of the lines, to be painted by pse run
+  pse flow smoke.pse --ball 500 -o smoke.ply                points and edges, for other programs
+
+The program has a function velocity(p), and may have color(p, age, along): age is 0 at the seed and 1 at the end of \
+a line, along is the unit vector along it. docs/flow.md tells more.";
+
+/// What flows, from where, and where to.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct FlowArgs {
+    #[command(flatten)]
+    program: ProgramArgs,
+    /// Set a param to an expression: speed=2, wind='[1 0 0]'
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+
+    /// Seeds on a grid of so many cells in the box: 20x20x20, or 40x40x1 for one layer
+    #[arg(long, value_name = "NXxNYxNZ", value_parser = cells, help_heading = "Seeds", conflicts_with = "ball")]
+    grid: Option<Cells>,
+    /// The box of the grid: two corners
+    #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = box3, help_heading = "Seeds", requires = "grid",
+          allow_hyphen_values = true, default_value = "-1,-1,-1,1,1,1")]
+    bounds: Box3,
+    /// So many seeds spread over a ball around the origin; 2000 if nothing else is given
+    #[arg(long, value_name = "N", help_heading = "Seeds")]
+    ball: Option<usize>,
+    /// The radius of the ball
+    #[arg(long, value_name = "R", default_value_t = 1.0, help_heading = "Seeds")]
+    radius: f64,
+    /// Of what -i or --scene sees, a seed in every Nth column and row
+    #[arg(long, value_name = "N", value_parser = positive, default_value_t = 4, help_heading = "Seeds")]
+    every: usize,
+
+    /// Time from one point of a line to the next; negative goes back
+    #[arg(
+        long,
+        value_name = "TIME",
+        default_value_t = 0.02,
+        help_heading = "Lines",
+        allow_negative_numbers = true
+    )]
+    step: f64,
+    /// Steps of a line
+    #[arg(long, value_name = "N", value_parser = positive, default_value_t = 50, help_heading = "Lines")]
+    steps: usize,
+    /// Width of a line in pixels; below 1 it gets fainter
+    #[arg(long, value_name = "PIXELS", default_value_t = 1.0, help_heading = "Lines")]
+    width: f64,
+
+    #[command(flatten)]
+    images: ImageArgs,
+    /// The number of the frame
+    #[arg(
+        long,
+        value_name = "N",
+        help_heading = "Frames",
+        conflicts_with = "frames",
+        allow_negative_numbers = true
+    )]
+    frame: Option<f32>,
+    /// Several frames: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
+    #[arg(long, value_name = "LIST", help_heading = "Frames")]
+    frames: Option<Frames>,
+    /// How progress is told
+    #[arg(long, value_enum, default_value_t, value_name = "STYLE", help_heading = "Frames")]
+    progress: Style,
+
+    /// A file to write, several if repeated: a picture, an .exr with point, along, depth, age, line, color and alpha, or
+    /// a .ply of points and edges. PROGRAM.png if not given
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    output: Vec<PathBuf>,
+    /// Say nothing but errors
+    #[arg(short, long, help_heading = "Output")]
+    quiet: bool,
+    /// Say how many lines there are, how long it took, and how much the velocity spreads
+    #[arg(long, help_heading = "Output")]
+    stats: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// Cells of a grid along the axes.
+#[derive(Clone, Copy, Debug)]
+struct Cells([usize; 3]);
+
+fn cells(text: &str) -> Result<Cells, String> {
+    let numbers: Option<Vec<usize>> =
+        text.split('x').map(|t| t.trim().parse().ok().filter(|n| *n > 0)).collect();
+    let cells = numbers.and_then(|n| <[usize; 3]>::try_from(n).ok());
+    cells.map(Cells).ok_or("a grid is three whole numbers: 20x20x20, or 40x40x1 for one layer".into())
+}
+
+/// What a frame begins with.
+struct Start {
+    seeds: Vec<[f32; 3]>,
+    projection: Option<Projection>,
+    /// What was seen, whose surfaces hide lines.
+    image: Option<Image<'static>>,
+}
+
+/// Follows and draws, frame by frame.
+pub(super) fn flow(args: &FlowArgs) -> Result<(), Failure> {
+    interrupt::watch(true);
+    let outputs = outputs(args)?;
+    let (name, text) = args.program.read()?;
+    let flow = Flow::compile(&Disk { path: args.program.path.clone() }, &name, &text)?;
+    if !(args.step.is_finite() && args.step != 0.0) {
+        return Err(Failure::usage(format!("a step of {} leads nowhere", args.step)));
+    }
+    let frames = frames(args)?;
+    let meter = Meter::new(&name, args.progress, args.quiet, frames.len());
+    for (i, &frame) in frames.iter().enumerate() {
+        let begun = Instant::now();
+        let start = start(args, frame)?;
+        let tell = |progress| meter.update(progress);
+        let options = RunOptions {
+            frame: frame.value,
+            set: args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?,
+            spaces: args
+                .images
+                .space
+                .iter()
+                .map(|text| space(text, frame.value))
+                .collect::<Result<_, _>>()?,
+            pixelsize: Some(args.images.pixelsize.unwrap_or_else(|| extent(&start.seeds).1 as f32 / 512.0)),
+            limits: args.limits.limits(),
+            texture_memory: Some(args.limits.textures()),
+            cancel: Some(&CANCEL),
+            progress: Some(&tell),
+            ..RunOptions::default()
+        };
+        let lines = flow.trajectories(&start.seeds, args.step, args.steps, &options)?;
+        let colors = flow.colors(&lines, &options)?;
+        for path in &outputs {
+            let path = frame
+                .number
+                .map_or_else(|| path.clone(), |number| frames::fill(&path.to_string_lossy(), number).into());
+            save(args, &path, &lines, colors.as_deref(), &start)?;
+            if !args.quiet {
+                warn(&format!("wrote {} ({} lines)", output::shown(&path), lines.lines()));
+            }
+        }
+        meter.frame();
+        if args.stats && i == 0 {
+            told(&flow, &lines, &options, begun)?;
+        }
+    }
+    Ok(())
+}
+
+/// The frames to draw.
+fn frames(args: &FlowArgs) -> Result<Vec<Frame>, Failure> {
+    match &args.frames {
+        Some(list) => Ok(list.0.iter().map(|&n| Frame { value: n as f32, number: Some(n) }).collect()),
+        None => Ok(vec![frame(args.frame, args.images.input.iter().map(|i| i.path.as_str()))?]),
+    }
+}
+
+/// The files to write, each of which can be written.
+fn outputs(args: &FlowArgs) -> Result<Vec<PathBuf>, Failure> {
+    let several = args.frames.as_ref().is_some_and(|f| f.0.len() > 1);
+    let mut outputs = args.output.clone();
+    if outputs.is_empty() {
+        outputs.push(format!("{}{}.png", args.program.stem(), if several { ".####" } else { "" }).into());
+    }
+    for path in &outputs {
+        let name = path.to_string_lossy();
+        if several && !frames::has_pattern(&name) {
+            let failure = Failure::usage(format!("several frames cannot all be written to {name}"));
+            return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
+        }
+        if frames::has_pattern(&name) && args.frame.is_none() && args.frames.is_none() {
+            let failure =
+                Failure::usage(format!("{name} has a place for the frame's number, and none is given"));
+            return Err(failure.hint("Give the frames: --frames 1-24, or --frame 1."));
+        }
+        if is_ply(path) { crate::image::check_target(path)? } else { output::check(path).map(drop)? }
+    }
+    Ok(outputs)
+}
+
+fn is_ply(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"))
+}
+
+/// Where the lines begin, and who looks at them.
+fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
+    let view = &args.images.view;
+    let seeds = match (args.grid, args.ball) {
+        (Some(Cells(cells)), _) => {
+            let count = cells.iter().try_fold(1usize, |n, &k| n.checked_mul(k));
+            if count.is_none_or(|n| n > flow::MAX_POINTS) {
+                return Err(Failure::usage(format!(
+                    "a grid of {}x{}x{} is too large",
+                    cells[0], cells[1], cells[2]
+                )));
+            }
+            let Box3 { low, high } = args.bounds;
+            Some(flow::grid(cells, low, high))
+        }
+        (None, Some(count)) => Some(flow::ball(count.min(flow::MAX_POINTS + 1), args.radius)),
+        (None, None) => None,
+    };
+    let sees = args.images.scene.is_some() || !args.images.input.is_empty();
+    if !sees {
+        let seeds = seeds.unwrap_or_else(|| flow::ball(2000, args.radius));
+        // What the seeds are in, and half as much about it: lines leave it, and the camera stays where it is in all frames.
+        let (middle, radius) = extent(&seeds);
+        let fov = view.fov.unwrap_or(30.0);
+        let distance = 1.5 * radius.max(1e-6) / libm::sin(fov.to_radians() / 2.0).abs().max(1e-3);
+        let look_at = view.look_at.map_or(middle, |p| p.0);
+        let from = [look_at[0], look_at[1] - 0.94 * distance, look_at[2] + 0.34 * distance];
+        let size = view.size.map_or([640, 480], |s| s.0);
+        let projection = Projection::looking(view.eye.map_or(from, |p| p.0), look_at, fov, size)?;
+        return Ok(Start { seeds, projection: Some(projection), image: None });
+    }
+    let inputs = Inputs::open(&args.images.input, &args.images.map, false, frame.number)?;
+    let renderer = args.images.scene.as_ref().map(|name| view.renderer(name)).transpose()?;
+    let wanted = ["surface", "point", "depth"].map(String::from);
+    let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
+    let rows = 0..reader.about().height;
+    let image = reader.read(rows)?;
+    drop(reader);
+    if seeds.is_none() && image.variable("point").is_none() {
+        let failure = Failure::plain("the input has no variable `point`, so nothing can grow from it");
+        return Err(failure.hint("Give it with --map point=CHANNELS, or other seeds with --grid or --ball."));
+    }
+    let seeds = seeds.unwrap_or_else(|| flow::visible(&image, args.every));
+    if seeds.is_empty() {
+        return Err(Failure::plain("no surface is seen that lines could grow from"));
+    }
+    let projection = Projection::of(&image.metadata, image.resolution());
+    Ok(Start { seeds, projection, image: Some(image) })
+}
+
+/// The middle of what points lie in, and how far from there the farthest may be.
+fn extent(points: &[[f32; 3]]) -> ([f64; 3], f64) {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for point in points {
+        for i in 0..3 {
+            low[i] = low[i].min(f64::from(point[i]));
+            high[i] = high[i].max(f64::from(point[i]));
+        }
+    }
+    let middle = [0, 1, 2].map(|i| (low[i] + high[i]) / 2.0);
+    let square: f64 = (0..3).map(|i| (high[i] - middle[i]).powi(2)).sum();
+    (middle, square.sqrt())
+}
+
+/// Writes one file.
+fn save(
+    args: &FlowArgs,
+    path: &Path,
+    lines: &Trajectories,
+    colors: Option<&[[f32; 4]]>,
+    start: &Start,
+) -> Result<(), Failure> {
+    if is_ply(path) {
+        let mut file = NewFile::create(path)?;
+        let mut out = BufWriter::new(&mut file);
+        let written = flow::to_ply(lines, colors, &mut out).and_then(|()| out.flush());
+        written.map_err(|e| Failure::plain(format!("cannot write `{}`: {e}", path.display())))?;
+        drop(out);
+        return Ok(file.finish()?);
+    }
+    let Some(projection) = &start.projection else {
+        let failure = Failure::plain("the input does not tell where its camera is");
+        return Err(failure.hint(
+            "An EXR file tells it by the attributes worldToCamera and worldToNDC. Lines can be written as points: -o lines.ply.",
+        ));
+    };
+    let pen = Pen { width: args.width };
+    let mut image = flow::draw(lines, colors, projection, &pen, start.image.as_ref());
+    match &start.image {
+        Some(seen) => image.metadata = seen.metadata.clone(),
+        None => projection.note(&mut image.metadata),
+    }
+    if Format::of(path)? != Format::Exr {
+        // A picture is opaque, and black where there is nothing.
+        image.variables.retain(|v| v.name == "color");
+    }
+    Ok(write(path, &image, &WriteOptions::default())?)
+}
+
+/// What `--stats` tells.
+fn told(flow: &Flow, lines: &Trajectories, options: &RunOptions<'_>, begun: Instant) -> Result<(), Failure> {
+    let time = begun.elapsed().as_secs_f64();
+    let count = lines.points.len();
+    warn(&format!("{} lines of {} steps: {count} points in {time:.2} s", lines.lines(), lines.steps));
+    let some: Vec<[f32; 3]> = lines.points.iter().step_by((count / 10_000).max(1)).copied().collect();
+    let distance = extent(&some).1.max(1e-3) * 1e-3;
+    let measured = flow.divergence(&some, distance, options)?;
+    warn(&format!(
+        "divergence {:.2e}, which is {:.2e} of the velocity's derivatives, at {} of the points, by differences over {:.1e}",
+        measured.divergence,
+        measured.share(),
+        measured.points,
+        2.0 * distance,
+    ));
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! Where trajectories begin.
+
+use super::Vector;
+use crate::image::Image;
+use crate::shape::Shape;
+
+/// The middles of the cells of a grid over a box, x fastest.
+pub fn grid(cells: [usize; 3], low: [f64; 3], high: [f64; 3]) -> Vec<Vector> {
+    let [nx, ny, nz] = cells;
+    let place = |i: usize, axis: usize| {
+        let t = (i as f64 + 0.5) / cells[axis] as f64;
+        (low[axis] + (high[axis] - low[axis]) * t) as f32
+    };
+    let mut seeds = Vec::with_capacity(nx * ny * nz);
+    for z in 0..nz {
+        for y in 0..ny {
+            seeds.extend((0..nx).map(|x| [place(x, 0), place(y, 1), place(z, 2)]));
+        }
+    }
+    seeds
+}
+
+/// So many points of the sphere of a radius around the origin, spread evenly: one for each of as many slices of equal height,
+/// each the golden angle further round than the last.
+pub fn ball(count: usize, radius: f64) -> Vec<Vector> {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    (0..count)
+        .map(|i| {
+            let z = 1.0 - (2 * i + 1) as f64 / count as f64;
+            let across = (1.0 - z * z).max(0.0).sqrt();
+            let angle = golden * i as f64;
+            [across * libm::cos(angle), across * libm::sin(angle), z].map(|x| (x * radius) as f32)
+        })
+        .collect()
+}
+
+/// The points that an image sees: of every `every`th column and row where there is a surface. Empty if it has no `point`.
+pub fn visible(image: &Image<'_>, every: usize) -> Vec<Vector> {
+    let Some(point) = image.variable("point").filter(|v| v.shape == Shape::Vector(3)) else {
+        return Vec::new();
+    };
+    let surface = image.variable("surface").filter(|v| v.shape == Shape::Scalar);
+    let every = every.max(1);
+    let mut seeds = Vec::new();
+    for row in (every / 2..image.height).step_by(every) {
+        for column in (every / 2..image.width).step_by(every) {
+            let at = row * image.width + column;
+            let place = [0, 1, 2].map(|i| point.planes[i][at]);
+            // Without numbers of surfaces, the background is where all coordinates are 0.
+            let hit = surface.map_or(place != [0.0; 3], |s| s.planes[0][at] > 0.0);
+            if hit && place.iter().all(|x| x.is_finite()) {
+                seeds.push(place);
+            }
+        }
+    }
+    seeds
+}
