@@ -13,7 +13,7 @@ PATH="$root/target/release:$PATH"
 shift || true
 programs=(examples/*.pse)
 [ $# -eq 0 ] || programs=("${@/#/examples/}") programs=("${programs[@]/%/.pse}")
-lines=$(grep -h '^# pse run' "${programs[@]}" | sed 's/^# //')
+lines=$(grep -h -E '^# pse (run|flow)' "${programs[@]}" | sed 's/^# //')
 # What reads a picture comes after what makes it.
 {
     grep -v -e ' -i ' <<<"$lines" || true

@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 mod bands;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/flow.rs"]
+mod flow;
 #[path = "cli/frames.rs"]
 mod frames;
 #[path = "cli/job.rs"]

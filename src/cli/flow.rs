@@ -22,12 +22,12 @@ const EXAMPLES: &str = "\
 Examples:
   pse flow fur.pse --scene donut --every 3 -o fur.png       hair from what a camera sees
   pse flow smoke.pse --grid 24x24x1 --steps 200             from a grid, into smoke.png
-  pse flow fireball.pse --ball 4000 --frames 1-48 -o fire.####.png
+  pse flow fireball.pse --ball 4000 --frames 1-24 -o fire.####.png
   pse flow fur.pse -i gbuffer.exr -o fur.exr                a G-buffer of the lines, to be painted by pse run
   pse flow smoke.pse --ball 500 -o smoke.ply                points and edges, for other programs
 
-The program has a function velocity(p), and may have color(p, age, along): age is 0 at the seed and 1 at the end of \
-a line, along is the unit vector along it. docs/flow.md tells more.";
+The program has a function velocity(p), and may have color(p, age, along, line): age is 0 at the seed and 1 at the end of \
+a line, along is the unit vector along it, line its number. docs/flow.md tells more.";
 
 /// What flows, from where, and where to.
 #[derive(Debug, Args)]

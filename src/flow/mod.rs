@@ -47,10 +47,11 @@ type Vector = [f32; 3];
 /// The most points of all trajectories together: some two gigabytes of them.
 pub const MAX_POINTS: usize = 1 << 27;
 
-/// A program as a flow: its function `velocity(p)`, and `color(p, age, along)` if it has one.
+/// A program as a flow: its function `velocity(p)`, and `color(p, age, along, line)` if it has one.
 ///
 /// `velocity` takes a point and gives a vector of 3, in units of space a unit of time. `color` may take fewer of its
-/// arguments: the point, its age (0 at the seed, 1 at the end of the line), and the unit vector along the line. It gives a
+/// arguments: the point, its age (0 at the seed, 1 at the end of the line), the unit vector along the line, and
+/// the number of the line from 0. It gives a
 /// colour, or a vector of 4 whose last number is how opaque the line is. Functions read what every program can read of a frame:
 /// params, `frame`, what `if begin_frame` assigns.
 pub struct Flow {
@@ -66,7 +67,7 @@ impl Flow {
     pub fn compile(host: &dyn Host, name: &str, text: &str) -> Result<Flow, Error> {
         let velocity = Field::compile(host, name, text, "velocity", &["point"])?;
         let color = match velocity.program().defines("color") {
-            true => Some(Field::compile(host, name, text, "color", &["point", "age", "along"])?),
+            true => Some(Field::compile(host, name, text, "color", &["point", "age", "along", "line"])?),
             false => None,
         };
         Ok(Flow { velocity, color })

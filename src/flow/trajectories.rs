@@ -135,6 +135,7 @@ pub(super) fn colors(
             vector("point", trajectories.points[part.clone()].iter().copied()),
             scalar("age", part.clone().map(|i| trajectories.age(i)).collect()),
             vector("along", part.clone().map(|i| trajectories.along(i))),
+            scalar("line", part.clone().map(|i| (i / (trajectories.steps + 1)) as f32).collect()),
         ];
         let planes = color.ask(arguments, options)?;
         match &planes[..] {

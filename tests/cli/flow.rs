@@ -1,0 +1,95 @@
+//! `pse flow`: seeds, pictures, G-buffers, points, frames, and what is wrong with arguments.
+
+use super::{Folder, load};
+
+const SWIRL: &str = "param speed = 1\nfunction velocity(p)\n    return speed * [-p.y p.x 0.2]\n";
+
+fn folder() -> Folder {
+    let f = Folder::new();
+    f.write("swirl.pse", SWIRL);
+    f
+}
+
+#[test]
+fn a_picture_and_a_g_buffer() {
+    let f = folder();
+    let ended = f.good("flow swirl.pse --ball 40 --size 64x48");
+    assert!(ended.err.contains("wrote swirl.png (40 lines)"), "{}", ended.err);
+    let image = load(&f.path("swirl.png"));
+    assert_eq!((image.width, image.height), (64, 48));
+    let color = &image.variable("color").expect("a colour").planes[0];
+    assert!(color.contains(&0.0) && color.iter().any(|&c| c > 0.3), "lines on black");
+
+    f.good("flow swirl.pse --ball 40 --size 64x48 -o lines.exr -q");
+    let image = load(&f.path("lines.exr"));
+    let plane = |name: &str, i: usize| image.variable(name).expect(name).planes[i].to_vec();
+    let (surface, alpha, depth, age) =
+        (plane("surface", 0), plane("alpha", 0), plane("depth", 0), plane("age", 0));
+    for i in 0..64 * 48 {
+        assert_eq!(surface[i] == 1.0, alpha[i] > 0.0);
+        assert_eq!(surface[i] == 0.0, depth[i] == 1e10);
+        assert!((0.0..=1.0).contains(&age[i]));
+    }
+    // What is drawn is where its point is seen.
+    f.write(
+        "where.pse",
+        "s = transform(\"screen\", point)\nwhere = surface ? length([s.x * 64 48 - s.y * 48] - pixel) : 0\n",
+    );
+    f.good("run where.pse -i lines.exr -o where.exr -q");
+    let off = load(&f.path("where.exr"));
+    let off = off.variable("where").expect("where").planes[0].iter().fold(0f32, |a, b| a.max(*b));
+    assert!(off < 1.1, "{off} pixels off");
+}
+
+#[test]
+fn lines_grow_from_what_a_scene_shows_and_stay_behind_it() {
+    let f = Folder::new();
+    // Inwards: all of each line but its root is hidden.
+    f.write("in.pse", "function velocity(p)\n    return -direction(p)\n");
+    f.write("out.pse", "function velocity(p)\n    return direction(p)\n");
+    let lit = |program: &str| {
+        f.good(&format!("flow {program} --scene sphere --every 4 --size 48x48 --step 0.01 -o o.exr -q"));
+        load(&f.path("o.exr")).variable("alpha").expect("alpha").planes[0].iter().sum::<f32>()
+    };
+    let (inwards, outwards) = (lit("in.pse"), lit("out.pse"));
+    assert!(inwards > 0.0 && outwards > 3.0 * inwards, "{inwards} {outwards}");
+    // The same from a file, whose header knows the camera.
+    f.good("scene sphere --size 48x48 -o g.exr");
+    f.good("flow out.pse -i g.exr --every 4 --step 0.01 -o p.exr -q");
+    f.good("flow out.pse --scene sphere --size 48x48 --every 4 --step 0.01 -o o.exr -q");
+    let plane = |name: &str| load(&f.path(name)).variable("alpha").expect("alpha").planes[0].to_vec();
+    assert_eq!(plane("o.exr"), plane("p.exr"));
+}
+
+#[test]
+fn points_frames_and_params() {
+    let f = folder();
+    f.good("flow swirl.pse --grid 2x3x1 --box 0,0,0,1,1,1 --steps 4 --set speed=2 -o a.ply");
+    let text = String::from_utf8_lossy(&f.read("a.ply")).into_owned();
+    assert!(text.contains("element vertex 30\n") && text.contains("element edge 24\n"), "{text:.300}");
+    f.good("flow swirl.pse --ball 5 --frames 2-3 -o a.##.ply -q");
+    assert_eq!(f.read("a.02.ply"), f.read("a.03.ply"));
+    f.write("moving.pse", "function velocity(p)\n    return [frame 0 0]\n");
+    f.good("flow moving.pse --ball 5 --frames 2-3 -o b.##.ply -q");
+    assert!(f.read("b.02.ply") != f.read("b.03.ply"));
+    let told = f.good("flow swirl.pse --ball 5 --stats -q").err;
+    assert!(told.contains("5 lines of 50 steps: 255 points") && told.contains("divergence"), "{told}");
+}
+
+#[test]
+fn what_is_wrong_is_told() {
+    let f = folder();
+    f.write("still.pse", "color = white\n");
+    f.bad(1, "flow still.pse", &["no function `velocity(point)`", "Write one"]);
+    f.write("flat.pse", "function velocity(p)\n    return 3\n");
+    f.bad(1, "flow flat.pse", &["gives a scalar", "[x y z]", "flat.pse:1:1"]);
+    f.write("hole.pse", "function velocity(p)\n    return p / (p.x > 2 ? 0 : 1)\n");
+    f.bad(1, "flow hole.pse --step 0.5", &["velocity([2.", "is ["]);
+    f.bad(2, "flow swirl.pse --step 0", &["leads nowhere"]);
+    f.bad(2, "flow swirl.pse --grid 3x3", &["20x20x20"]);
+    f.bad(2, "flow swirl.pse --grid 99999x99999x99999", &["too large"]);
+    f.bad(1, "flow swirl.pse --ball 99999999999", &["too many points"]);
+    f.bad(2, "flow swirl.pse --frames 1-3 -o a.png", &["a.png", "####"]);
+    f.bad(1, "flow swirl.pse -o a.obj", &[".obj"]);
+    assert!(!f.path("still.png").exists() && !f.path("hole.png").exists());
+}
