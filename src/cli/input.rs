@@ -87,6 +87,18 @@ pub(super) struct ImageArgs {
     pub view: ViewArgs,
 }
 
+impl ImageArgs {
+    /// The files that are named, each of which may have a place for the frame's number.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        self.input.iter().map(|i| i.path.as_str()).chain(self.view.mesh.as_deref())
+    }
+
+    /// Is nothing named to run on?
+    pub fn is_empty(&self) -> bool {
+        self.scene.is_none() && self.paths().next().is_none()
+    }
+}
+
 /// An image whose header has been read.
 pub(super) struct Opened {
     /// Its name in the program.
@@ -209,7 +221,7 @@ impl Inputs {
         let mut first: Option<String> = None;
         if let Some(scene) = scene {
             [reader.about.width, reader.about.height] = scene.size();
-            first = Some("the scene".to_string());
+            first = Some("the scene or mesh".to_string());
         }
         for Opened { name, file } in &self.list {
             let mut names = Vec::new();

@@ -17,6 +17,7 @@ mod interrupt;
 mod job;
 mod join;
 mod lsp;
+mod model;
 mod noise;
 mod output;
 mod prints;
@@ -45,6 +46,7 @@ Examples:
   pse trace marble.pse --pixel 320,200         what happens at a pixel, step by step
   pse job fire.pse --frames 1-100 -o fire.job  a bundle for a render farm
   pse scene --list                             the built-in G-buffers
+  pse run marble.pse --mesh teapot.obj         paint a mesh; pse scene writes its G-buffer
   pse info gbuffer.exr                         what is in a file, and what programs call it
   pse noise -o noise.png                       the kinds of noise, with their spectra
   pse doc Noise                                what a function does

@@ -67,7 +67,7 @@ pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
 /// All that the inputs hold.
 fn load(args: &ReplArgs) -> Result<(Image<'static>, Inputs), Failure> {
     let inputs = Inputs::open(&args.images.input, &args.images.map, false, None)?;
-    let scene = scene(&args.images)?.map(|name| args.images.view.renderer(&name)).transpose()?;
+    let scene = scene(&args.images)?.map(|seen| args.images.view.renderer(&seen, None, false)).transpose()?;
     let names = inputs.variables();
     let mut reader = inputs.reader(scene.as_ref(), &names)?;
     let height = reader.about().height;

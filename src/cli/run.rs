@@ -114,7 +114,7 @@ impl Work<'_> {
             return Ok(Done::Skipped);
         }
         let start = Instant::now();
-        let moving = args.images.input.iter().any(|i| frames::has_pattern(&i.path));
+        let moving = args.images.paths().any(frames::has_pattern);
         let input = match self.kept.take() {
             Some(input) => input,
             None => {
@@ -178,7 +178,7 @@ impl Job<'_> {
             meter.update(Progress { done, total: about.width * about.height });
         };
         let inputs = Arc::clone(&input.inputs);
-        let scene = plan.scene.as_ref().map(|name| format!("The scene {name} has {}.", input.names));
+        let scene = plan.scene.as_ref().map(|seen| format!("The {seen} has {}.", input.names));
         let missing = move |name: &str| match &scene {
             Some(scene) if !name.contains('.') => vec![scene.clone()],
             _ => inputs.missing(name),

@@ -1,7 +1,9 @@
 //! Built-in scenes: `pse scene`, and the options that choose a view of one.
 
 use super::failure::{Failure, print, warn};
+use super::frames;
 use super::interrupt;
+use super::model::{self, Up};
 use super::output;
 use super::progress::{Meter, Style};
 use super::region::bands;
@@ -9,17 +11,24 @@ use crate::image::{WriteOptions, Writer};
 use crate::program::Progress;
 use crate::scene::{self, Options, Renderer, parse_point, parse_size};
 use clap::Args;
-use std::path::PathBuf;
+use std::fmt;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 /// A view of a scene.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "View of a scene")]
 pub(super) struct ViewArgs {
+    /// A mesh to look at instead of a built-in scene: .obj, .ply, .glb or .gltf
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<String>,
+    /// Which way is up in the mesh's file. It is turned so that z is up
+    #[arg(long, value_enum, value_name = "AXIS", requires = "mesh")]
+    pub up: Option<Up>,
     /// Columns and rows of the picture, 640x480 if not given
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<Size>,
-    /// Where the eye is
+    /// Where the eye is, in the space where z is up
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub eye: Option<Point>,
     /// The point in the middle of the picture
@@ -72,12 +81,12 @@ fn point(text: &str) -> Result<Point, String> {
 impl ViewArgs {
     /// Is anything given that only a scene has?
     pub fn is_given(&self) -> bool {
-        let ViewArgs { size, eye, look_at, fov, scale } = self;
+        let ViewArgs { size, eye, look_at, fov, scale, mesh: _, up: _ } = self;
         size.is_some() || eye.is_some() || look_at.is_some() || fov.is_some() || scale.is_some()
     }
 
-    /// The scene of that name in this view.
-    pub fn renderer(&self, name: &str) -> Result<Renderer, Failure> {
+    /// What is seen in this view, in a frame.
+    pub fn renderer(&self, seen: &Seen, frame: Option<i64>, quiet: bool) -> Result<Renderer, Failure> {
         let default = Options::default();
         let [width, height] = self.size.map_or([default.width, default.height], |s| s.0);
         let options = Options {
@@ -88,7 +97,32 @@ impl ViewArgs {
             fov: self.fov,
             scale: self.scale.unwrap_or(default.scale),
         };
-        Ok(Renderer::new(name, &options)?)
+        Ok(match seen {
+            Seen::Scene(name) => Renderer::new(name, &options)?,
+            Seen::Mesh(path) => {
+                let path = frame.map_or_else(|| path.clone(), |f| frames::fill(path, f));
+                let model = model::load(Path::new(&path), self.up.unwrap_or_default(), quiet)?;
+                Renderer::of_model(&model, &options)?
+            }
+        })
+    }
+}
+
+/// What is looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Seen {
+    /// The built-in scene of that name.
+    Scene(String),
+    /// The mesh of that file, in whose name there may be a place for the frame's number.
+    Mesh(String),
+}
+
+impl fmt::Display for Seen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Seen::Scene(name) => write!(f, "scene {name}"),
+            Seen::Mesh(path) => write!(f, "mesh {path}"),
+        }
     }
 }
 
@@ -96,12 +130,14 @@ impl ViewArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pse scene --list\n  pse scene vase -o vase.exr --size 480x640\n  \
                         pse scene floor -o floor.exr --eye 3,-8,5 --look-at 0,0,0.5 --fov 35\n  \
-                        pse scene ocean -o - | pse run waves.pse -i - -o waves.png")]
+                        pse scene ocean -o - | pse run waves.pse -i - -o waves.png\n  \
+                        pse scene --mesh teapot.glb -o teapot.exr --eye 3,-8,4")]
 pub(super) struct SceneArgs {
-    /// The scene; without it the scenes are listed
+    /// The scene; without it, and without --mesh, the scenes are listed
+    #[arg(conflicts_with = "mesh")]
     name: Option<String>,
     /// List the scenes
-    #[arg(long, conflicts_with = "name")]
+    #[arg(long, conflicts_with_all = ["name", "mesh"])]
     list: bool,
     /// The file to write, NAME.exr if not given; - is standard output
     #[arg(short, long, value_name = "FILE")]
@@ -113,20 +149,29 @@ pub(super) struct SceneArgs {
     view: ViewArgs,
 }
 
-/// Writes a scene's G-buffer, or lists the scenes.
+/// Writes a scene's or a mesh's G-buffer, or lists the scenes.
 pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
-    let Some(name) = args.name.as_ref().filter(|_| !args.list) else {
-        let width = scene::scenes().iter().map(|s| s.name.len()).max().unwrap_or(0);
-        let lines = scene::scenes().iter().map(|s| format!("{:width$}  {}\n", s.name, s.brief));
-        return print(&lines.collect::<String>());
+    let (seen, name) = match (&args.name, &args.view.mesh) {
+        (Some(name), _) => (Seen::Scene(name.clone()), name.clone()),
+        (None, Some(mesh)) => {
+            let stem = Path::new(mesh).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            (Seen::Mesh(mesh.clone()), stem)
+        }
+        (None, None) => {
+            let width = scene::scenes().iter().map(|s| s.name.len()).max().unwrap_or(0);
+            let lines = scene::scenes().iter().map(|s| format!("{:width$}  {}\n", s.name, s.brief));
+            return print(&lines.collect::<String>());
+        }
     };
-    scene::find(name)?;
+    if let Seen::Scene(name) = &seen {
+        scene::find(name)?;
+    }
     let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
     output::check(&path)?;
-    let renderer = args.view.renderer(name)?;
+    let renderer = args.view.renderer(&seen, None, args.quiet)?;
     let [width, height] = renderer.size();
     let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
-    let meter = Meter::new(name, Style::Bar, args.quiet, 1);
+    let meter = Meter::new(&name, Style::Bar, args.quiet, 1);
     interrupt::watch(true);
     for rows in bands(width, 0..height) {
         let done = rows.end * width;
@@ -140,6 +185,11 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     meter.frame();
     if !args.quiet {
         warn(&format!("wrote {} ({width}x{height})", output::shown(&path)));
+        let surfaces = renderer.surfaces();
+        if surfaces.len() > 1 {
+            let list: Vec<String> = (1..).zip(surfaces).map(|(i, name)| format!("{i} {name}")).collect();
+            warn(&format!("surface: {}", list.join(", ")));
+        }
     }
     Ok(())
 }

@@ -85,7 +85,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     if args.program.is_stdin() && args.images.input.iter().any(|i| i.path == "-") {
         return Err(Failure::usage("the program and an image cannot both be standard input"));
     }
-    let names = args.images.input.iter().map(|i| i.path.as_str());
+    let names = args.images.paths();
     let frame = frame(args.frame, names)?;
     let (name, text) = args.program.read()?;
     let program = source::compile(&name, &text, &args.program.path)?;
@@ -93,12 +93,13 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let spaces = args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?;
     let scene = scene(&args.images)?;
     let inputs = Inputs::open(&args.images.input, &args.images.map, args.raw, frame.number)?;
-    let renderer = scene.as_ref().map(|name| args.images.view.renderer(name)).transpose()?;
+    let renderer =
+        scene.as_ref().map(|seen| args.images.view.renderer(seen, frame.number, false)).transpose()?;
     let (wanted, around) = reading(&program, &[], args.images.pixelsize.is_some(), false);
     let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
     let [column, row] = place(args.pixel, reader.about())?;
     let own: Vec<String> = reader.names().filter(|n| !n.contains('.')).map(str::to_string).collect();
-    let known = scene.as_ref().map(|name| format!("The scene {name} has {}.", own.join(", ")));
+    let known = scene.as_ref().map(|seen| format!("The {seen} has {}.", own.join(", ")));
     // The rows about it tell derivatives and sizes, as in a run.
     let rows = row.saturating_sub(around)..(row + around + 1).min(reader.about().height);
     let top = rows.start;
@@ -122,7 +123,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let depth = if args.calls { u32::MAX } else { args.depth };
     let wanted = TraceOptions { depth, limit: args.limit };
     let trace = program.trace(&image, column, row - top, &options, &wanted)?;
-    if args.images.scene.is_none() && args.images.input.is_empty() {
+    if args.images.is_empty() {
         warn(&format!("no input: this is the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"));
     }
     let about = text::About { trace: &trace, program: &program, name: &name, frame: frame.value };

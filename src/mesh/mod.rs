@@ -12,12 +12,22 @@
 
 mod cut;
 mod format;
+mod gltf_data;
+mod normals;
+mod ply_header;
+mod read;
+mod read_gltf;
+mod read_obj;
+mod read_ply;
 mod split;
 mod write_glb;
 mod write_obj;
 mod write_ply;
 
+pub(crate) use cut::Cutter;
 pub use format::Format;
+pub use gltf_data::companions;
+pub use read::{File, read};
 
 /// A polygon mesh.
 #[derive(Clone, Debug, Default, PartialEq)]

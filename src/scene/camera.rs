@@ -6,7 +6,7 @@ use crate::image::Matrix4;
 use glam::DVec3;
 
 /// The largest coordinate of an eye or look-at point, in unscaled world units; farther off, a scene is a dot.
-const LIMIT: f64 = 1e5;
+pub(super) const LIMIT: f64 = 1e5;
 
 /// A perspective camera with square pixels, as orthonormal axes in world space.
 #[derive(Clone, Debug)]
@@ -28,18 +28,19 @@ pub(crate) struct Camera {
 impl Camera {
     /// A camera at `eye` that has `look_at` in the middle of a picture of `size` columns and rows. `fov` is the vertical
     /// angle in degrees; without it, the picture just contains a `frame` of that width and height on the plane at
-    /// distance 1.
+    /// distance 1. No coordinate of the points is over `limit`.
     pub fn new(
         eye: DVec3,
         look_at: DVec3,
         fov: Option<f64>,
         frame: [f64; 2],
         size: [usize; 2],
+        limit: f64,
     ) -> Result<Camera, SceneError> {
         for (what, point) in [("eye", eye), ("look-at point", look_at)] {
             // Not `>`: a NaN must fail too.
-            if !(point.abs().max_element() <= LIMIT && point.is_finite()) {
-                return Err(SceneError::BadPoint { what, point: point.to_array(), limit: LIMIT });
+            if !(point.abs().max_element() <= limit && point.is_finite()) {
+                return Err(SceneError::BadPoint { what, point: point.to_array(), limit });
             }
         }
         let forward = look_at - eye;
@@ -89,7 +90,7 @@ mod tests {
     use super::*;
 
     fn camera(eye: [f64; 3], look_at: [f64; 3], fov: f64) -> Result<Camera, SceneError> {
-        Camera::new(eye.into(), look_at.into(), Some(fov), [1.0, 1.0], [4, 2])
+        Camera::new(eye.into(), look_at.into(), Some(fov), [1.0, 1.0], [4, 2], LIMIT)
     }
 
     #[test]
@@ -114,7 +115,8 @@ mod tests {
     #[test]
     fn the_frame_fits_whatever_the_proportions() {
         for size in [[100, 100], [200, 100], [50, 300]] {
-            let camera = Camera::new(DVec3::NEG_Y, DVec3::ZERO, None, [0.5, 0.4], size).expect("a camera");
+            let camera =
+                Camera::new(DVec3::NEG_Y, DVec3::ZERO, None, [0.5, 0.4], size, LIMIT).expect("a camera");
             let corner = camera.ray(size[0] as f64, 0.0).direction;
             let [x, z] = [2.0 * corner.x / corner.y, 2.0 * corner.z / corner.y];
             assert!(x > 0.5 - 1e-12 && z > 0.4 - 1e-12, "{size:?} shows {x} by {z}");

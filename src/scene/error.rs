@@ -54,6 +54,8 @@ pub enum SceneError {
         /// The scene's default eye, at the scale asked for.
         instead: [f64; 3],
     },
+    /// A mesh without faces.
+    NoFaces,
     /// The scene needs the origin before the eye.
     OriginBehind,
     /// A text that should be a size or a point.
@@ -86,6 +88,7 @@ impl SceneError {
             BadFov(fov) => format!("a field of view of {fov} degrees shows nothing"),
             BadScale(scale) => format!("a scene cannot be scaled by {scale}"),
             EyeInside { what, .. } => format!("the eye is in the {what}"),
+            NoFaces => "the mesh has no faces, so there is nothing to be seen".into(),
             OriginBehind => "the scene's card goes through the origin, which is not before the eye".into(),
             BadText { text, .. } if text.trim().is_empty() => "there is nothing to read".into(),
             BadText { text, .. } => format!("`{text}` cannot be read"),
@@ -108,6 +111,7 @@ impl SceneError {
             BadFov(_) => "give an angle between 0 and 180 degrees, for example 40".into(),
             BadScale(_) => "give a number from 0.001 to 1000".into(),
             EyeInside { instead, .. } => format!("move it out, for example to {}", Point(*instead)),
+            NoFaces => "give a mesh with polygons; points and lines alone are not shown".into(),
             OriginBehind => "look towards 0,0,0, or step back from it".into(),
             BadText { expected, .. } => format!("give {expected}"),
         }

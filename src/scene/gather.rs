@@ -1,8 +1,9 @@
 //! From a scene to an image: a ray for each pixel, rows shared out to threads.
 
 use super::Options;
-use super::camera::Camera;
+use super::camera::{self, Camera};
 use super::error::SceneError;
+use super::model::Model;
 use super::ray::{Hit, Ray};
 use super::scenes::{self, SceneInfo, World};
 use super::sphere::Sphere;
@@ -12,6 +13,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The most pixels of a picture: 32768 by 32768. As a whole in memory that would be some 80 gigabytes of planes.
 pub(super) const MAX_PIXELS: usize = 1 << 30;
@@ -54,11 +56,25 @@ impl Renderer {
     /// The scene of that name. Nothing is rendered yet.
     pub fn new(name: &str, options: &Options) -> Result<Renderer, SceneError> {
         let scene = scenes::find(name)?;
-        let (width, height) = (options.width, options.height);
-        if !width.checked_mul(height).is_some_and(|n| n > 0 && n <= MAX_PIXELS) {
-            return Err(SceneError::BadSize { width, height });
+        let size = size(options)?;
+        Ok(Renderer { view: View::new(scene, options)?, size, exits: scene.exits })
+    }
+
+    /// A mesh, whose z points up. Nothing is rendered yet.
+    ///
+    /// # Errors
+    /// If the options are no view.
+    pub fn of_model(model: &Arc<Model>, options: &Options) -> Result<Renderer, SceneError> {
+        let size = size(options)?;
+        Ok(Renderer { view: View::of_model(model, options)?, size, exits: false })
+    }
+
+    /// The names of a mesh's surfaces, the first of which is number 1; none of a scene's.
+    pub fn surfaces(&self) -> &[String] {
+        match &self.view.seen {
+            Seen::Model(model) => model.surfaces(),
+            Seen::Surfaces(_) => &[],
         }
-        Ok(Renderer { view: View::new(scene, options)?, size: [width, height], exits: scene.exits })
     }
 
     /// Columns and rows of the whole picture.
@@ -150,10 +166,25 @@ impl Renderer {
     }
 }
 
+/// Columns and rows, if there may be as many.
+fn size(options: &Options) -> Result<[usize; 2], SceneError> {
+    let (width, height) = (options.width, options.height);
+    match width.checked_mul(height).is_some_and(|n| n > 0 && n <= MAX_PIXELS) {
+        true => Ok([width, height]),
+        false => Err(SceneError::BadSize { width, height }),
+    }
+}
+
+/// What there is to be seen.
+enum Seen {
+    Surfaces(World),
+    Model(Arc<Model>),
+}
+
 /// A scene with a camera before it.
 pub(super) struct View {
     pub camera: Camera,
-    world: World,
+    seen: Seen,
     scale: f64,
     /// The sphere whose far side is wanted.
     exit: Option<Sphere>,
@@ -161,29 +192,32 @@ pub(super) struct View {
 
 impl View {
     pub fn new(scene: &SceneInfo, options: &Options) -> Result<View, SceneError> {
-        let scale = options.scale;
-        // Not `<`: a NaN must fail too. The limits keep every depth well below that of the background.
-        if !(1e-3..=1e3).contains(&scale) {
-            return Err(SceneError::BadScale(scale));
-        }
-        let place =
-            |given: Option<[f64; 3]>, default| given.map_or(DVec3::from(default), |p| DVec3::from(p) / scale);
+        let scale = scale(options)?;
         let distance = DVec3::from(scene.eye).distance(scene.look_at.into());
-        let camera = Camera::new(
-            place(options.eye, scene.eye),
-            place(options.look_at, scene.look_at),
-            options.fov,
-            scene.frame.map(|side| side / distance),
-            [options.width, options.height],
-        )
-        .map_err(|error| error.scaled(scale))?;
+        let [eye, look_at] = places(options, scene.eye.into(), scene.look_at.into());
+        let frame = scene.frame.map(|side| side / distance);
+        let size = [options.width, options.height];
+        let camera = Camera::new(eye, look_at, options.fov, frame, size, camera::LIMIT)
+            .map_err(|error| error.scaled(scale))?;
         let world = scene.build(&camera)?;
         if let Some(i) = world.iter().position(|surface| surface.holds(camera.eye)) {
             let instead = scene.eye.map(|c| c * scale);
             return Err(SceneError::EyeInside { what: scene.surfaces[i], instead });
         }
         let exit = scene.exits.then_some(Sphere { center: DVec3::ZERO, radius: 1.0 });
-        Ok(View { camera, world, scale, exit })
+        Ok(View { camera, seen: Seen::Surfaces(world), scale, exit })
+    }
+
+    /// A mesh. By default it is seen from before it, a little from the right and from above, and just fits.
+    pub fn of_model(model: &Arc<Model>, options: &Options) -> Result<View, SceneError> {
+        let scale = scale(options)?;
+        let (center, radius) = (model.center(), model.radius());
+        let [eye, look_at] = places(options, center + radius * DVec3::new(1.2, -3.6, 1.0), center);
+        let limit = camera::LIMIT.max(center.abs().max_element() + 1e3 * radius);
+        let frame = model.frame(eye, look_at);
+        let camera = Camera::new(eye, look_at, options.fov, frame, [options.width, options.height], limit)
+            .map_err(|error| error.scaled(scale))?;
+        Ok(View { camera, seen: Seen::Model(Arc::clone(model)), scale, exit: None })
     }
 
     /// The values at a place of the picture, in the order of the variables.
@@ -214,8 +248,12 @@ impl View {
 
     /// The surface met first, counted from 0, and where.
     pub fn nearest(&self, ray: &Ray) -> Option<(usize, Hit)> {
+        let world = match &self.seen {
+            Seen::Surfaces(world) => world,
+            Seen::Model(model) => return model.hit(ray),
+        };
         let mut nearest: Option<(usize, Hit)> = None;
-        for (i, surface) in self.world.iter().enumerate() {
+        for (i, surface) in world.iter().enumerate() {
             if let Some(hit) = surface.hit(ray)
                 && nearest.is_none_or(|(_, n)| hit.distance < n.distance)
             {
@@ -224,4 +262,19 @@ impl View {
         }
         nearest
     }
+}
+
+/// The scale of a view.
+fn scale(options: &Options) -> Result<f64, SceneError> {
+    // Not `<`: a NaN must fail too. The limits keep every depth well below that of the background.
+    match (1e-3..=1e3).contains(&options.scale) {
+        true => Ok(options.scale),
+        false => Err(SceneError::BadScale(options.scale)),
+    }
+}
+
+/// The eye and the point that it looks at, in unscaled world units, from those by default.
+fn places(options: &Options, eye: DVec3, look_at: DVec3) -> [DVec3; 2] {
+    [(options.eye, eye), (options.look_at, look_at)]
+        .map(|(given, default)| given.map_or(default, |p| DVec3::from(p) / options.scale))
 }

@@ -3,6 +3,8 @@
 //! [`render`] sends one ray through the centre of each pixel and meets the scene's surfaces by formula, in `f64`,
 //! so points and normals are exact to the last bit or so of the `f32` that is stored. [`scenes()`] lists what there is.
 //!
+//! A polygon mesh is seen by the same [`Renderer`]; see [`Model`].
+//!
 //! # Conventions
 //!
 //! - Space is right-handed with **z up**. The default cameras look towards +y, so x grows to the right of the picture.
@@ -13,6 +15,8 @@
 //! - `I` is the direction from the eye through the pixel, at every pixel, so that a sky can be painted.
 //! - `uv`: on round things u goes once around the z axis from 0 to 1, counterclockwise seen from above, with its
 //!   seam at the back (+y); `cross(dPdu, dPdv)` points along the outward normal. At a pole `dPdu` is 0.
+//! - A mesh has its own normals and uv. A face that is seen from behind has its normal turned towards the eye, as if it
+//!   were a sheet. `dPdu` and `dPdv` are those of the triangle, 0 where it has no uv.
 //! - Where nothing was hit, everything but `depth` and `I` is 0.
 
 mod bernstein;
@@ -21,6 +25,7 @@ mod cuboid;
 mod error;
 mod gather;
 mod lathe;
+mod model;
 mod parse;
 mod plane;
 mod ray;
@@ -35,6 +40,7 @@ mod tests;
 
 pub use error::SceneError;
 pub use gather::{Renderer, render};
+pub use model::Model;
 pub use parse::{parse_point, parse_size};
 pub use scenes::{SceneInfo, find, scenes};
 

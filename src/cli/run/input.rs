@@ -40,7 +40,8 @@ impl FrameInput {
     /// Opens the files. They are read at once if they are `kept` for several runs, else band by band.
     pub fn open(args: &RunArgs, plan: &Plan, frame: Option<i64>, kept: bool) -> Result<FrameInput, Failure> {
         let inputs = Inputs::open(&args.images.input, &args.images.map, args.raw, frame)?;
-        let scene = plan.scene.as_ref().map(|name| args.images.view.renderer(name)).transpose()?;
+        let scene =
+            plan.scene.as_ref().map(|seen| args.images.view.renderer(seen, frame, args.quiet)).transpose()?;
         let mut reader = inputs.reader(scene.as_ref(), &plan.wanted)?;
         let about = reader.about().clone();
         let own: Vec<&str> = reader.names().filter(|n| !n.contains('.')).collect();

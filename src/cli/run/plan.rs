@@ -4,6 +4,7 @@ use super::RunArgs;
 use crate::cli::failure::Failure;
 use crate::cli::input::ImageArgs;
 use crate::cli::progress::Style;
+use crate::cli::scene::Seen;
 use crate::cli::{frames, output, source, tiles};
 use crate::diagnostic::SourceId;
 use crate::eval::MAX_THREADS;
@@ -50,8 +51,8 @@ pub(in crate::cli) struct Plan {
     pub wanted: Vec<String>,
     /// How many pixels about a region the program needs to know.
     pub around: usize,
-    /// The built-in scene.
-    pub scene: Option<String>,
+    /// The scene or mesh that is looked at.
+    pub scene: Option<Seen>,
     /// Was that scene chosen because there is no input?
     pub by_default: bool,
     /// At least one.
@@ -129,7 +130,7 @@ impl Plan {
             wanted,
             around,
             scene: scene(&args.images)?,
-            by_default: args.images.scene.is_none() && args.images.input.is_empty(),
+            by_default: args.images.is_empty(),
             name,
             program,
             vars,
@@ -157,12 +158,8 @@ impl Plan {
             }
             let format = output::check(&path)?;
             let program = args.program.program.as_deref();
-            let mut inputs = args
-                .images
-                .input
-                .iter()
-                .map(|i| name(Path::new(&i.path)))
-                .chain(textures(&self.program, frame));
+            let mut inputs =
+                args.images.paths().map(|path| name(Path::new(path))).chain(textures(&self.program, frame));
             if let Some(input) = inputs.find(|i| same_file(i, &path)).filter(|_| !args.force) {
                 let shown = path.display();
                 let message = format!("the output `{shown}` is the input `{}`", input.display());
@@ -186,7 +183,7 @@ fn frames(args: &RunArgs) -> Result<Vec<Frame>, Failure> {
         return Ok(list.0.iter().map(|&n| Frame { value: n as f32, number: Some(n) }).collect());
     }
     let outputs: Vec<_> = args.output.iter().map(|o| o.to_string_lossy()).collect();
-    let names = args.images.input.iter().map(|i| i.path.as_str()).chain(outputs.iter().map(|o| &**o));
+    let names = args.images.paths().chain(outputs.iter().map(|o| &**o));
     Ok(vec![frame(args.frame, names)?])
 }
 
@@ -221,25 +218,36 @@ fn paths(args: &RunArgs, frames: usize) -> Vec<PathBuf> {
     vec![format!("{stem}{frame}{ending}").into()]
 }
 
-/// The scene to run on, if any.
-pub(in crate::cli) fn scene(images: &ImageArgs) -> Result<Option<String>, Failure> {
+/// The scene or mesh to run on, if any.
+pub(in crate::cli) fn scene(images: &ImageArgs) -> Result<Option<Seen>, Failure> {
     let ImageArgs { scene: name, input, view, .. } = images;
-    if name.is_some() && input.iter().any(|i| i.name.is_none()) {
-        return Err(Failure::usage("--scene and an image without a name are two inputs for one")
+    if name.is_some() && view.mesh.is_some() {
+        return Err(
+            Failure::usage("--scene and --mesh are two inputs for one").hint("Leave out one of them.")
+        );
+    }
+    let option = if view.mesh.is_some() { "--mesh" } else { "--scene" };
+    if (name.is_some() || view.mesh.is_some()) && input.iter().any(|i| i.name.is_none()) {
+        return Err(Failure::usage(format!("{option} and an image without a name are two inputs for one"))
             .hint("Leave out one of them, or name the image: -i bg=FILE."));
     }
     if let Some(name) = name {
         crate::scene::find(name)?;
-        return Ok(Some(name.clone()));
+        return Ok(Some(Seen::Scene(name.clone())));
+    }
+    if let Some(mesh) = &view.mesh {
+        return Ok(Some(Seen::Mesh(mesh.clone())));
     }
     if !input.is_empty() {
         return match view.is_given() {
-            true => Err(Failure::usage("--size, --eye, --look-at, --fov and --scale need a --scene")
-                .hint("An image has the size and the view that it has.")),
+            true => {
+                Err(Failure::usage("--size, --eye, --look-at, --fov and --scale need a --scene or a --mesh")
+                    .hint("An image has the size and the view that it has."))
+            }
             false => Ok(None),
         };
     }
-    Ok(Some(DEFAULT_SCENE.into()))
+    Ok(Some(Seen::Scene(DEFAULT_SCENE.into())))
 }
 
 /// The files that the program looks up in a frame.

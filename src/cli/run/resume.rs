@@ -4,6 +4,7 @@ use super::RunArgs;
 use super::plan::{Frame, Output, Plan, textures, values};
 use crate::cli::failure::Failure;
 use crate::cli::frames;
+use crate::cli::model;
 use crate::image::is_whole;
 use std::collections::HashMap;
 use std::fs::File;
@@ -52,7 +53,9 @@ impl Hashes {
         add(options.as_bytes());
         let named = |path: &str| frame.number.map_or_else(|| path.into(), |f| frames::fill(path, f));
         let inputs = args.images.input.iter().map(|i| (i.name.as_deref(), PathBuf::from(named(&i.path))));
-        for (name, path) in inputs.chain(textures(&plan.program, frame.number).map(|path| (None, path))) {
+        let textures = textures(&plan.program, frame.number);
+        let mesh = args.images.view.mesh.iter().flat_map(|mesh| model::files(Path::new(&named(mesh))));
+        for (name, path) in inputs.chain(textures.chain(mesh).map(|path| (None, path))) {
             let Some(hash) = self.of(&path) else { return Ok(None) };
             add(name.unwrap_or_default().as_bytes());
             add(hash.as_bytes());

@@ -43,7 +43,7 @@ impl Pictures {
     /// What the arguments name.
     pub fn new(args: &PreviewArgs) -> Result<Pictures, Failure> {
         let images = &args.images;
-        let scene = scene(images)?.map(|name| images.view.renderer(&name)).transpose()?;
+        let scene = scene(images)?.map(|seen| images.view.renderer(&seen, None, false)).transpose()?;
         Ok(Pictures {
             input: images.input.clone(),
             map: images.map.clone(),

@@ -1,0 +1,69 @@
+//! Meshes that are looked at: read once, and kept for the next frame.
+
+use super::failure::{Failure, warn};
+use super::progress::{Meter, Style};
+use crate::mesh::{self, Format};
+use crate::program::Progress;
+use crate::scene::Model;
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+/// Which way is up in a file of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Up {
+    /// Along y, as glTF has it and most OBJ and PLY files have; it is turned
+    #[default]
+    Y,
+    /// Along z, as in scenes; nothing is turned
+    Z,
+}
+
+/// What a model was made from: file, direction, and the file's length and time.
+type Key = (PathBuf, Up, u64, Option<SystemTime>);
+
+/// The model that was made last.
+static LAST: Mutex<Option<(Key, Arc<Model>)>> = Mutex::new(None);
+
+/// The mesh of a file, ready to be looked at.
+pub(super) fn load(path: &Path, up: Up, quiet: bool) -> Result<Arc<Model>, Failure> {
+    let about = std::fs::metadata(path).ok();
+    let time = about.as_ref().and_then(|about| about.modified().ok());
+    let key: Key = (path.to_path_buf(), up, about.map_or(0, |about| about.len()), time);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, model)) = last.as_ref().filter(|(of, _)| *of == key) {
+        return Ok(Arc::clone(model));
+    }
+    // The old one need not be there while the new one is made.
+    *last = None;
+    let mut mesh = read(path, quiet)?;
+    if up == Up::Y {
+        mesh.y_up_to_z_up();
+    }
+    let model = Arc::new(Model::new(mesh)?);
+    *last = Some((key, Arc::clone(&model)));
+    Ok(model)
+}
+
+/// The mesh of a file, as it is there. How far reading has come is shown, and what was left out.
+pub(super) fn read(path: &Path, quiet: bool) -> Result<mesh::Mesh, Failure> {
+    let meter = Meter::new(&path.display().to_string(), Style::Bar, quiet, 1);
+    let file = mesh::read(path, &|done, total| meter.update(Progress { done, total }))?;
+    meter.frame();
+    if !quiet {
+        for note in &file.notes {
+            warn(&format!("{}: {note}", path.display()));
+        }
+    }
+    Ok(file.mesh)
+}
+
+/// The files that a mesh is made of: its own, and those that a .gltf file names.
+pub(super) fn files(path: &Path) -> Vec<PathBuf> {
+    let mut files = vec![path.to_path_buf()];
+    if Format::of(path) == Some(Format::Gltf) {
+        files.extend(mesh::companions(path));
+    }
+    files
+}

@@ -1,0 +1,188 @@
+//! Wavefront OBJ.
+//!
+//! The crates for this format give points as renderers want them: split, joined or sorted by object. Here the file's own order
+//! must stay, for it is written again; and the format is a few kinds of lines.
+
+use super::read::{Source, Wrong};
+use super::{Corner, Face, Mesh};
+use std::borrow::Cow;
+
+/// What `usemtl`, `o` and `g` said last, as indices into the names of each.
+type Names = [Option<usize>; 3];
+
+/// Reads a mesh.
+pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
+    let mut reader = Reader::default();
+    let bytes = source.bytes;
+    let mut at = 0;
+    let mut number = 0;
+    while at < bytes.len() {
+        let line = logical_line(bytes, &mut at, &mut number);
+        let line = String::from_utf8_lossy(&line);
+        reader.line(&line).map_err(|wrong| format!("line {number}: {wrong}"))?;
+        if number.is_multiple_of(1 << 16) {
+            (source.progress)(at, bytes.len());
+        }
+    }
+    for (what, count) in
+        [("lines and points", reader.lines), ("curves and free-form surfaces", reader.curves)]
+    {
+        if count > 0 {
+            source.notes.push(format!("{count} {what} were left out: only faces are read."));
+        }
+    }
+    if reader.small > 0 {
+        source.notes.push(format!("{} faces with fewer than three corners were left out.", reader.small));
+    }
+    if reader.mesh.points.is_empty() {
+        return Err("there is no vertex in it (no line that begins with v)".into());
+    }
+    Ok(reader.finish())
+}
+
+/// The next line, joined with those after it while it ends in a backslash; and the number of its last.
+fn logical_line<'a>(bytes: &'a [u8], at: &mut usize, number: &mut usize) -> Cow<'a, [u8]> {
+    let mut joined: Option<Vec<u8>> = None;
+    loop {
+        let rest = &bytes[*at..];
+        let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        *at += (end + 1).min(rest.len());
+        *number += 1;
+        let line = rest[..end].trim_ascii_end();
+        let more = line.strip_suffix(b"\\").filter(|_| *at < bytes.len());
+        match (&mut joined, more) {
+            (None, None) => return Cow::Borrowed(line),
+            (None, Some(part)) => joined = Some([part, b" "].concat()),
+            (Some(text), part) => {
+                text.extend_from_slice(part.unwrap_or(line));
+                if part.is_none() {
+                    return Cow::Owned(joined.unwrap_or_default());
+                }
+                text.push(b' ');
+            }
+        }
+    }
+}
+
+#[derive(Default)]
+struct Reader {
+    mesh: Mesh,
+    names: [Vec<String>; 3],
+    now: Names,
+    /// From which face on which names hold.
+    runs: Vec<(usize, Names)>,
+    lines: usize,
+    curves: usize,
+    small: usize,
+}
+
+impl Reader {
+    fn line(&mut self, line: &str) -> Result<(), Wrong> {
+        let line = line.trim_start();
+        let (word, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
+        match word {
+            "v" => self.mesh.points.push(numbers(word, rest, 3)?),
+            "vn" => self.mesh.normals.push(numbers(word, rest, 3)?),
+            "vt" => self.mesh.uvs.push(numbers(word, rest, 1)?),
+            "f" | "fo" => self.face(rest)?,
+            "usemtl" => self.name(0, rest),
+            "o" => self.name(1, rest),
+            "g" => self.name(2, rest),
+            "l" | "p" => self.lines += 1,
+            "curv" | "curv2" | "surf" => self.curves += 1,
+            // Comments, smoothing groups, libraries of materials, attributes of curves.
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn name(&mut self, kind: usize, rest: &str) {
+        let name = rest.trim();
+        let names = &mut self.names[kind];
+        let known = names.iter().rposition(|n| n == name);
+        self.now[kind] = Some(known.unwrap_or_else(|| {
+            names.push(name.into());
+            names.len() - 1
+        }));
+    }
+
+    fn face(&mut self, rest: &str) -> Result<(), Wrong> {
+        let first = self.mesh.corners.len();
+        // Behind a # follows a comment.
+        for text in rest.split('#').next().unwrap_or("").split_ascii_whitespace() {
+            let mut parts = text.split('/');
+            let mut index = |count: usize, what: &str| match parts.next() {
+                None | Some("") => Ok(None),
+                Some(part) => {
+                    index(part, count).map(Some).map_err(|why| format!("the face's {what} `{part}` {why}"))
+                }
+            };
+            let point = index(self.mesh.points.len(), "vertex")?;
+            let uv = index(self.mesh.uvs.len(), "uv")?;
+            let normal = index(self.mesh.normals.len(), "normal")?;
+            let point = point.ok_or_else(|| format!("the face's corner `{text}` names no vertex"))?;
+            self.mesh.corners.push(Corner { point, normal, uv });
+        }
+        let corners = self.mesh.corners.len() - first;
+        if corners < 3 {
+            self.small += 1;
+            self.mesh.corners.truncate(first);
+            return Ok(());
+        }
+        if self.runs.last().is_none_or(|(_, names)| *names != self.now) {
+            self.runs.push((self.mesh.faces.len(), self.now));
+        }
+        let first = u32::try_from(first).map_err(|_| "there are more than 4 billion corners")?;
+        self.mesh.faces.push(Face { first, corners: corners as u32, surface: 0 });
+        Ok(())
+    }
+
+    /// Numbers the surfaces: by material if any is named, else by object, else by group, in the order of their faces.
+    fn finish(self) -> Mesh {
+        let Reader { mut mesh, names, runs, .. } = self;
+        let kind = (0..3).find(|&kind| runs.iter().any(|(_, names)| names[kind].is_some()));
+        let mut numbers: std::collections::HashMap<Option<usize>, u32> = Default::default();
+        for (i, (start, now)) in runs.iter().enumerate() {
+            let name = kind.and_then(|kind| now[kind]);
+            let surface = *numbers.entry(name).or_insert_with(|| {
+                mesh.surfaces.push(match (kind, name) {
+                    (Some(kind), Some(name)) => names[kind][name].clone(),
+                    (Some(0), None) => "no material".into(),
+                    _ => "mesh".into(),
+                });
+                mesh.surfaces.len() as u32 - 1
+            });
+            let end = runs.get(i + 1).map_or(mesh.faces.len(), |(next, _)| *next);
+            mesh.faces[*start..end].iter_mut().for_each(|face| face.surface = surface);
+        }
+        mesh
+    }
+}
+
+/// The first numbers of a line, of which there must be so many; others are 0.
+fn numbers<const N: usize>(word: &str, rest: &str, least: usize) -> Result<[f32; N], Wrong> {
+    let mut numbers = [0.0; N];
+    let mut parts = rest.split_ascii_whitespace();
+    for (i, number) in numbers.iter_mut().enumerate() {
+        let Some(part) = parts.next().filter(|part| !part.starts_with('#')) else {
+            return if i < least {
+                Err(format!("{word} is followed by {i} numbers, not by {N}"))
+            } else {
+                Ok(numbers)
+            };
+        };
+        *number = part.parse().map_err(|_| format!("`{}` is no number", part.escape_debug()))?;
+    }
+    Ok(numbers)
+}
+
+/// An index, counted from 1 or, if negative, back from the last one so far. Whether it is too large is known at the end.
+fn index(text: &str, count: usize) -> Result<u32, &'static str> {
+    let number: i64 = text.parse().map_err(|_| "is no number")?;
+    let index = match number {
+        0 => return Err("is no index: they begin at 1"),
+        1.. => number - 1,
+        _ => count as i64 + number,
+    };
+    u32::try_from(index).map_err(|_| "is not there")
+}
