@@ -66,7 +66,7 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
         program: files.program.clone(),
         lines: run.program.lines.clone(),
         paths: files.paths(),
-        inputs: template::Inputs::of(&run.images.input)?,
+        inputs: template::Inputs::of(&run.images.input, run.images.view.mesh.as_deref())?,
     };
     let text = template.json()?;
     let make = |folder: &Path| {

@@ -6,6 +6,7 @@
 mod ast;
 mod check;
 mod completions;
+mod deform;
 pub mod doc;
 mod failure;
 mod flow;
@@ -47,6 +48,7 @@ Examples:
   pse job fire.pse --frames 1-100 -o fire.job  a bundle for a render farm
   pse scene --list                             the built-in G-buffers
   pse run marble.pse --mesh teapot.obj         paint a mesh; pse scene writes its G-buffer
+  pse deform teapot.obj wobble.pse -o b.obj    move the vertices of a mesh
   pse info gbuffer.exr                         what is in a file, and what programs call it
   pse noise -o noise.png                       the kinds of noise, with their spectra
   pse doc Noise                                what a function does
@@ -75,10 +77,12 @@ enum Command {
     Job(Box<job::JobArgs>),
     /// Join the tiles of a picture
     Join(join::JoinArgs),
-    /// Write the G-buffer of a built-in scene, or list the scenes
+    /// Write the G-buffer of a built-in scene or a mesh, or list the scenes
     Scene(scene::SceneArgs),
     /// Follow points that a program's velocity carries along, and draw their lines
     Flow(Box<flow::FlowArgs>),
+    /// Run a program at every vertex of a mesh, and move it
+    Deform(deform::DeformArgs),
     /// Show the kinds of noise, with their spectra, or tell about them
     Noise(noise::NoiseArgs),
     /// Tell what an image file holds, and what programs call it
@@ -109,6 +113,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Join(args)) => join::join(&args),
         Some(Command::Scene(args)) => scene::scene(&args),
         Some(Command::Flow(args)) => flow::flow(&args),
+        Some(Command::Deform(args)) => deform::deform(&args),
         Some(Command::Noise(args)) => noise::noise(&args),
         Some(Command::Info(args)) => info::info(&args),
         Some(Command::Check(args)) => check::check(&args),

@@ -46,8 +46,11 @@ pub(super) fn load(path: &Path, up: Up, quiet: bool) -> Result<Arc<Model>, Failu
     Ok(model)
 }
 
-/// The mesh of a file, as it is there. How far reading has come is shown, and what was left out.
+/// The mesh of a file, or the built-in head, as it is there. How far reading has come is shown, and what was left out.
 pub(super) fn read(path: &Path, quiet: bool) -> Result<mesh::Mesh, Failure> {
+    if path.as_os_str() == "head" && !path.exists() {
+        return Ok(mesh::head());
+    }
     let meter = Meter::new(&path.display().to_string(), Style::Bar, quiet, 1);
     let file = mesh::read(path, &|done, total| meter.update(Progress { done, total }))?;
     meter.frame();
@@ -61,7 +64,8 @@ pub(super) fn read(path: &Path, quiet: bool) -> Result<mesh::Mesh, Failure> {
 
 /// The files that a mesh is made of: its own, and those that a .gltf file names.
 pub(super) fn files(path: &Path) -> Vec<PathBuf> {
-    let mut files = vec![path.to_path_buf()];
+    let built_in = path.as_os_str() == "head" && !path.exists();
+    let mut files = if built_in { Vec::new() } else { vec![path.to_path_buf()] };
     if Format::of(path) == Some(Format::Gltf) {
         files.extend(mesh::companions(path));
     }

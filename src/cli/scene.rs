@@ -19,7 +19,7 @@ use std::sync::atomic::Ordering;
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "View of a scene")]
 pub(super) struct ViewArgs {
-    /// A mesh to look at instead of a built-in scene: .obj, .ply, .glb or .gltf
+    /// A mesh to look at instead of a built-in scene: .obj, .ply, .glb or .gltf; or head, which is built in
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<String>,
     /// Which way is up in the mesh's file. It is turned so that z is up

@@ -11,8 +11,10 @@
 //! - Numbers are `f32`, as in the files; whoever computes with them does it in `f64`.
 
 mod cut;
+mod deform;
 mod format;
 mod gltf_data;
+mod head;
 mod normals;
 mod ply_header;
 mod read;
@@ -25,8 +27,10 @@ mod write_obj;
 mod write_ply;
 
 pub(crate) use cut::Cutter;
+pub use deform::Deform;
 pub use format::Format;
 pub use gltf_data::companions;
+pub use head::head;
 pub use read::{File, read};
 
 /// A polygon mesh.

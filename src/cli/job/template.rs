@@ -143,6 +143,9 @@ impl Template {
         for input in &self.inputs.words {
             words.extend(["--input".into(), input.clone()]);
         }
+        if let Some(mesh) = &self.inputs.mesh {
+            words.extend(["--mesh".into(), mesh.clone()]);
+        }
         for Word { option, value } in self.words.iter().filter(|w| !(self.tiles.is_some() && of_joined(w))) {
             words.push(option.clone());
             words.extend(value.as_deref().map(literal).transpose()?);
@@ -226,38 +229,47 @@ fn fits(words: Vec<String>) -> Result<Vec<String>, Failure> {
 pub(super) struct Inputs {
     /// What stands behind each `--input`.
     words: Vec<String>,
+    /// What stands behind `--mesh`.
+    mesh: Option<String>,
     /// The folders: the name of the parameter, and where it is here.
     folders: Vec<(String, PathBuf)>,
 }
 
 impl Inputs {
-    /// A parameter for each folder that images lie in.
-    pub fn of(args: &[InputArg]) -> Result<Inputs, Failure> {
+    /// A parameter for each folder that images or the mesh lie in.
+    pub fn of(args: &[InputArg], mesh: Option<&str>) -> Result<Inputs, Failure> {
         let mut inputs = Inputs::default();
         for arg in args {
-            let path = crate::host::absolute(Path::new(&arg.path));
-            let (Some(folder), Some(file)) = (path.parent(), path.file_name()) else {
-                return Err(Failure::usage(format!("`{}` is no image", arg.path)));
-            };
-            if super::super::frames::has_pattern(&folder.to_string_lossy()) {
-                return Err(Failure::usage(format!(
-                    "a folder of `{}` has the frame's number in its name",
-                    arg.path
-                ))
-                .hint("In a job only the name of the file can have it."));
-            }
-            let place = inputs.folders.iter().position(|(_, known)| known == folder).unwrap_or_else(|| {
-                let number = inputs.folders.len() + 1;
-                let name = if number == 1 { "InputDir".into() } else { format!("InputDir{number}") };
-                inputs.folders.push((name, folder.to_path_buf()));
-                number - 1
-            });
-            let parameter = &inputs.folders[place].0;
             let name = arg.name.as_ref().map_or(String::new(), |name| format!("{name}="));
-            let file = literal(&file.to_string_lossy())?;
-            inputs.words.push(format!("{name}{{{{Param.{parameter}}}}}/{file}"));
+            let file = inputs.place(&arg.path)?;
+            inputs.words.push(name + &file);
         }
+        // The built-in head is no file.
+        inputs.mesh = match mesh {
+            Some(path) if path == "head" && !Path::new(path).exists() => Some(path.into()),
+            mesh => mesh.map(|path| inputs.place(path)).transpose()?,
+        };
         Ok(inputs)
+    }
+
+    /// The file as the job names it, below a parameter for its folder.
+    fn place(&mut self, given: &str) -> Result<String, Failure> {
+        let path = crate::host::absolute(Path::new(given));
+        let (Some(folder), Some(file)) = (path.parent(), path.file_name()) else {
+            return Err(Failure::usage(format!("`{given}` is no file")));
+        };
+        if super::super::frames::has_pattern(&folder.to_string_lossy()) {
+            return Err(Failure::usage(format!("a folder of `{given}` has the frame's number in its name"))
+                .hint("In a job only the name of the file can have it."));
+        }
+        let place = self.folders.iter().position(|(_, known)| known == folder).unwrap_or_else(|| {
+            let number = self.folders.len() + 1;
+            let name = if number == 1 { "InputDir".into() } else { format!("InputDir{number}") };
+            self.folders.push((name, folder.to_path_buf()));
+            number - 1
+        });
+        let file = literal(&file.to_string_lossy())?;
+        Ok(format!("{{{{Param.{}}}}}/{file}", self.folders[place].0))
     }
 
     /// The parameters and their folders.

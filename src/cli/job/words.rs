@@ -25,7 +25,7 @@ pub(super) struct Word {
 const NOT_OF_JOBS: [&str; 8] = ["region", "tile", "hash", "stats", "repeat", "profile", "progress", "mkdir"];
 
 /// Arguments that the job's template has a place of its own for.
-const TOLD_OTHERWISE: [&str; 6] = ["program", "lines", "path", "input", "output", "frames"];
+const TOLD_OTHERWISE: [&str; 7] = ["program", "lines", "path", "input", "mesh", "output", "frames"];
 
 /// `pse run` as a command of its own, to look at its arguments.
 #[derive(Parser)]

@@ -1,0 +1,122 @@
+//! `pse deform`: a program at every vertex of a mesh.
+
+use super::failure::{Failure, warn};
+use super::frames::{self, Frames};
+use super::interrupt::{self, CANCEL};
+use super::model;
+use super::output;
+use super::progress::{Meter, Style};
+use super::run::{LimitArgs, frame, set};
+use super::source::{self, ProgramArgs};
+use crate::image::{check_target, same_file};
+use crate::mesh::{Deform, Format};
+use crate::program::RunOptions;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Which mesh, what to do with it, and where to.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pse deform teapot.obj wobble.pse -o teapot2.obj\n  \
+                        pse deform head examples/heads.pse --set who=7 -o seven.glb\n  \
+                        pse deform head examples/heads.pse --frames 1-24 -o head.####.obj\n  \
+                        pse deform scan.ply -e 'point += 0.1 * normal * Noise(4 * point)' -o rough.ply\n\n\
+                        The program reads point, normal and uv of each vertex, and assigns point. Faces, uv and surfaces stay; \
+                        normals are made anew, with creases where there were some. Nothing is turned: y is up if it was.")]
+pub(super) struct DeformArgs {
+    /// The mesh: .obj, .ply, .glb or .gltf; or head, which is built in
+    #[arg(value_name = "MESH")]
+    mesh: String,
+    #[command(flatten)]
+    program: ProgramArgs,
+    /// The file to write: .obj, .ply or .glb
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Set a param to an expression: who=7
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// The number of the frame
+    #[arg(long, value_name = "N", conflicts_with = "frames", allow_negative_numbers = true)]
+    frame: Option<f32>,
+    /// Several frames: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
+    #[arg(long, value_name = "LIST")]
+    frames: Option<Frames>,
+    /// Let the output replace the input
+    #[arg(long)]
+    force: bool,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
+}
+
+/// Moves the vertices in each frame.
+pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
+    let pattern = args.output.to_string_lossy();
+    let mut list = vec![frame(args.frame, [args.mesh.as_str(), &pattern].into_iter())?];
+    if let Some(frames) = &args.frames {
+        list =
+            frames.0.iter().map(|&n| frame(Some(n as f32), std::iter::empty())).collect::<Result<_, _>>()?;
+    }
+    if list.len() > 1 && !frames::has_pattern(&pattern) {
+        return Err(Failure::usage(format!("{} frames cannot all be written to {pattern}", list.len()))
+            .hint("Give a place for the frame's number: -o head.####.obj."));
+    }
+    if frames::has_pattern(&pattern) && list.iter().any(|frame| frame.number.is_none()) {
+        return Err(Failure::usage(format!(
+            "{pattern} has a place for the frame's number, and none is given"
+        ))
+        .hint("Give the frames: --frames 1-24, or --frame 1."));
+    }
+    Format::to_write(&args.output)?;
+    let (name, text) = args.program.read()?;
+    let program = source::compile(&name, &text, &args.program.path)?;
+    if !program.assigned().any(|name| name == "point") {
+        return Err(Failure::plain(format!("{name} assigns no point, so nothing would move")).hint(
+            "A deformation says where each vertex goes, for example: point += 0.1 * normal * Noise(4 * point).",
+        ));
+    }
+    let meter = Meter::new(&name, Style::Bar, args.quiet, list.len());
+    let mut kept: Option<(PathBuf, Deform)> = None;
+    for (i, frame) in list.iter().enumerate() {
+        let fill = |path: &str| PathBuf::from(frame.number.map_or(path.into(), |n| frames::fill(path, n)));
+        let (input, target) = (fill(&args.mesh), fill(&pattern));
+        if !args.force && same_file(&input, &target) {
+            let message = format!("the output `{}` is the input", target.display());
+            return Err(Failure::plain(message).hint("Write to another file, or add --force."));
+        }
+        check_target(&target)?;
+        let deform = match kept.take() {
+            Some((path, deform)) if path == input => deform,
+            _ => Deform::new(model::read(&input, args.quiet)?),
+        };
+        if i == 0 {
+            interrupt::watch(true);
+        }
+        let missing = |_: &str| {
+            let image = deform.image();
+            let names: Vec<&str> = image.variables.iter().map(|v| v.name.as_str()).collect();
+            vec![format!("A vertex of this mesh has {}.", names.join(", "))]
+        };
+        let options = RunOptions {
+            frame: frame.value,
+            set: args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?,
+            outputs: Some(vec!["point".into()]),
+            limits: args.limits.limits(),
+            texture_memory: Some(args.limits.textures()),
+            cancel: Some(&CANCEL),
+            missing: Some(&missing),
+            ..RunOptions::default()
+        };
+        let report = program.run(&deform.image(), &options)?;
+        let moved = deform.moved(&report.image).map_err(|fault| Failure::Plain(Box::new(fault)))?;
+        moved.write(&target)?;
+        meter.frame();
+        if !args.quiet {
+            let (points, faces) = (moved.points.len(), moved.faces.len());
+            warn(&format!("wrote {} ({points} vertices, {faces} faces)", output::shown(&target)));
+        }
+        kept = Some((input, deform));
+    }
+    Ok(())
+}

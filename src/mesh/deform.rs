@@ -1,0 +1,125 @@
+//! Vertices as pixels: a mesh becomes an image of one row, and what a program makes of it moves the points.
+
+use super::Mesh;
+use crate::diagnostic::Diagnostic;
+use crate::image::{Image, Variable};
+use crate::shape::Shape;
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// A mesh whose points are to be moved by a program.
+///
+/// ```
+/// use pse::mesh::{Deform, head};
+/// use pse::{Program, RunOptions};
+///
+/// let deform = Deform::new(head());
+/// let program = Program::compile("point += 0.1 * vector_noise(2 * point)\nfunction vector_noise(p)\n    return [Noise(p) Noise(p + 7) Noise(p + 13)]")?;
+/// let report = program.run(&deform.image(), &RunOptions::default())?;
+/// let other = deform.moved(&report.image).map_err(|fault| fault.message)?;
+/// assert_eq!(other.faces, head().faces);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Deform {
+    mesh: Mesh,
+    /// The planes of the image: point, normal, and uv if there is any.
+    planes: Vec<Vec<f32>>,
+    /// For each corner the number of its new normal, of which there are so many.
+    group: Vec<u32>,
+    groups: usize,
+}
+
+impl Deform {
+    /// Looks at a mesh. Corners that lie at the same place and had the same normal, or none, will have the same normal again:
+    /// what was smooth stays smooth, and a crease stays a crease.
+    pub fn new(mesh: Mesh) -> Deform {
+        let places = mesh.places();
+        let mut numbers: HashMap<(u32, Option<[u32; 3]>), u32> = HashMap::new();
+        let mut group = Vec::with_capacity(mesh.corners.len());
+        for corner in &mesh.corners {
+            let normal = corner.normal.map(|i| mesh.normals[i as usize].map(f32::to_bits));
+            let next = numbers.len() as u32;
+            group.push(*numbers.entry((places[corner.point as usize], normal)).or_insert(next));
+        }
+        let groups = numbers.len();
+
+        let count = mesh.points.len();
+        // Points at one place must move as one, or the surface would tear: they get one normal, and the first one's uv.
+        let smooth = mesh.angle_normals(count, |c| places[mesh.corners[c].point as usize] as usize);
+        let mut uvs: Vec<Option<u32>> = vec![None; count];
+        for corner in &mesh.corners {
+            let uv = &mut uvs[places[corner.point as usize] as usize];
+            *uv = uv.or(corner.uv);
+        }
+        let mut planes: Vec<Vec<f32>> = Vec::new();
+        for i in 0..3 {
+            planes.push(mesh.points.iter().map(|p| p[i]).collect());
+        }
+        for i in 0..3 {
+            planes.push(places.iter().map(|&p| smooth[p as usize][i] as f32).collect());
+        }
+        if uvs.iter().any(Option::is_some) {
+            let uv = |place: u32| uvs[place as usize].map_or([0.0; 2], |uv| mesh.uvs[uv as usize]);
+            for i in 0..2 {
+                planes.push(places.iter().map(|&p| uv(p)[i]).collect());
+            }
+        }
+        Deform { mesh, planes, group, groups }
+    }
+
+    /// The mesh as it was.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The points as an image of one row, with the variables `point`, `normal` and, where the mesh has it, `uv`.
+    pub fn image(&self) -> Image<'_> {
+        let mut variables = Vec::new();
+        for (name, range) in [("point", 0..3), ("normal", 3..6), ("uv", 6..8)] {
+            let Some(planes) = self.planes.get(range) else { continue };
+            variables.push(Variable {
+                name: name.into(),
+                shape: Shape::Vector(planes.len() as u32),
+                planes: planes.iter().map(|p| Cow::Borrowed(&p[..])).collect(),
+            });
+        }
+        Image { width: self.mesh.points.len(), height: 1, variables, ..Image::default() }
+    }
+
+    /// The mesh with the points of `image`, which a program made of [`Deform::image`]. All normals are made anew.
+    ///
+    /// # Errors
+    /// If it has no `point`, one that is no vector of 3, or one that is not finite.
+    pub fn moved(&self, image: &Image<'_>) -> Result<Mesh, Diagnostic> {
+        let wrong = |message: String| Diagnostic::bare("deform", message);
+        let point =
+            image.variable("point").filter(|v| v.planes.iter().all(|p| p.len() == self.mesh.points.len()));
+        let Some(point) = point else {
+            return Err(wrong("the program assigns no point".into())
+                .hint("A deformation says where each vertex goes, for example: point += 0.1 * normal * Noise(4 * point)."));
+        };
+        let [x, y, z] = &point.planes[..] else {
+            return Err(wrong(format!("point is {}, where a vertex needs a vector of 3", point.shape))
+                .hint("Say where it goes: point = [x y z]."));
+        };
+        let mut mesh = self.mesh.clone();
+        for (i, place) in mesh.points.iter_mut().enumerate() {
+            let moved = [x[i], y[i], z[i]];
+            if moved.iter().any(|c| !c.is_finite()) {
+                let ([x, y, z], [a, b, c], vertex) = (moved, *place, i + 1);
+                return Err(wrong(format!(
+                    "the program moves vertex {vertex} to [{x} {y} {z}], which is no place"
+                ))
+                .hint(format!("It was at [{a} {b} {c}].")));
+            }
+            *place = moved;
+        }
+        let normals = mesh.angle_normals(self.groups, |corner| self.group[corner] as usize);
+        mesh.normals = normals.iter().map(|n| n.as_vec3().to_array()).collect();
+        for (corner, &group) in mesh.corners.iter_mut().zip(&self.group) {
+            corner.normal = (mesh.normals[group as usize] != [0.0; 3]).then_some(group);
+        }
+        Ok(mesh)
+    }
+}
