@@ -1,6 +1,5 @@
 //! Meshes as the outside sees them: read, written, looked at, moved.
 
-use assert_cmd::Command;
 use pse::image::Image;
 use pse::mesh::{self, Deform, Mesh};
 use pse::scene::{Model, Options, Renderer};
@@ -8,6 +7,9 @@ use pse::{Program, RunOptions};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
+
+#[path = "mesh/commands.rs"]
+mod commands;
 
 fn suzanne(ending: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/meshes/suzanne.{ending}"))
@@ -47,7 +49,12 @@ fn ball(steps: usize) -> String {
         let a = std::f64::consts::PI * i as f64 / steps as f64;
         for j in 0..2 * steps {
             let b = std::f64::consts::PI * j as f64 / steps as f64;
-            text += &format!("v {} {} {}\n", a.sin() * b.sin(), a.cos(), a.sin() * b.cos());
+            text += &format!(
+                "v {} {} {}\n",
+                libm::sin(a) * libm::sin(b),
+                libm::cos(a),
+                libm::sin(a) * libm::cos(b)
+            );
         }
     }
     text += "v 0 -1 0\n";
@@ -241,7 +248,7 @@ fn polygons_that_are_not_convex_keep_their_outline() {
     let u = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\nf 1 2 3 4 5 6 7 8\n";
     // An arrowhead: a quad whose third corner goes in.
     let arrow = "v 0 0 0\nv 2 1 0\nv 0.5 1 0\nv 0 3 0\nf 1 2 3 4\nf 4 3 2 1\n";
-    let options = view(30, 30, [1.5, 1.5, 40.0], [1.5, 1.5, 0.0], 2.0 * (1.5f64 / 40.0).atan().to_degrees());
+    let options = view(30, 30, [1.5, 1.5, 40.0], [1.5, 1.5, 0.0], 2.0 * libm::atan(1.5 / 40.0).to_degrees());
     let image = picture(of("obj", u).unwrap(), &options);
     for row in 0..30 {
         for column in 0..30 {
@@ -264,8 +271,8 @@ fn a_closed_mesh_has_no_holes_from_anywhere() {
         let model = Arc::new(Model::new(mesh).unwrap());
         let mut seen = 0;
         for i in 0..40 {
-            let (a, b) = (i as f64 * 2.4, (i as f64 / 20.0 - 0.97).asin());
-            let from = [a.cos() * b.cos(), a.sin() * b.cos(), b.sin()];
+            let (a, b) = (i as f64 * 2.4, libm::asin(i as f64 / 20.0 - 0.97));
+            let from = [libm::cos(a) * libm::cos(b), libm::sin(a) * libm::cos(b), libm::sin(b)];
             // From far away and from near, and from the very axes, whose rays meet edges and vertices.
             let far = if i % 2 == 0 { 3.0 } else { 90.0 };
             let from = if i < 6 {
@@ -275,7 +282,7 @@ fn a_closed_mesh_has_no_holes_from_anywhere() {
             };
             let eye = from.map(|c| c * far * f64::from(scale));
             // The whole picture lies within the inscribed ball.
-            let fov = 2.0 * (0.45 / far).atan().to_degrees();
+            let fov = 2.0 * libm::atan(0.45 / far).to_degrees();
             let image =
                 Renderer::of_model(&model, &view(41, 41, eye, [0.0; 3], fov)).unwrap().rows(0..41).unwrap();
             let holes = image.variable("surface").unwrap().planes[0].iter().filter(|&&s| s == 0.0).count();
@@ -458,45 +465,6 @@ fn gltf_text() -> Vec<u8> {
     .into_bytes()
 }
 
-fn run(folder: &Path, words: &[&str]) -> (bool, String) {
-    let output = Command::cargo_bin("pse").unwrap().args(words).current_dir(folder).output().unwrap();
-    (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
-}
-
-#[test]
-fn the_commands_take_meshes() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    let mesh = suzanne("glb");
-    let mesh = mesh.to_str().unwrap();
-    let (good, said) = run(here, &["scene", "--mesh", mesh, "-o", "g.exr", "--size", "64x48"]);
-    assert!(good && said.contains("wrote g.exr (64x48)"), "{said}");
-    // At once, and in two steps, are the same.
-    let lines = ["run", "-e", "color = 0.5 * (normal + 1)", "--hash"];
-    let hash = |more: &[&str]| {
-        let output =
-            Command::cargo_bin("pse").unwrap().args(lines).args(more).current_dir(here).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8_lossy(&output.stdout).into_owned()
-    };
-    assert_eq!(hash(&["-i", "g.exr"]), hash(&["--mesh", mesh, "--size", "64x48"]));
-    assert_ne!(hash(&["-i", "g.exr"]), hash(&["--mesh", mesh, "--size", "64x48", "--up", "z"]));
-    assert_ne!(hash(&["-i", "g.exr"]), hash(&["--mesh", mesh, "--size", "64x48", "--samples", "4"]));
-    let (good, said) = run(here, &["run", "-e", "color = white", "--mesh", mesh, "--scene", "vase"]);
-    assert!(!good && said.contains("--scene and --mesh are two inputs for one"), "{said}");
-    let (good, said) = run(here, &["scene", "--mesh", "none.obj"]);
-    assert!(!good && said.contains("there is no such file"), "{said}");
-
-    // --resume looks into the file.
-    std::fs::copy(mesh, here.join("a.glb")).unwrap();
-    let words =
-        ["run", "-e", "color = normal", "--mesh", "a.glb", "--size", "16x16", "-o", "a.png", "--resume"];
-    assert!(run(here, &words).1.contains("wrote a.png"));
-    assert!(run(here, &words).1.contains("1 of 1 frames were there already"));
-    mesh::head().write(&here.join("a.glb")).unwrap();
-    assert!(run(here, &words).1.contains("wrote a.png"));
-}
-
 #[test]
 fn a_program_moves_the_vertices() {
     let before = read(&suzanne("obj")).unwrap().mesh;
@@ -530,46 +498,4 @@ fn a_program_moves_the_vertices() {
     let after = deform.moved(&report.image).unwrap();
     assert_eq!(after.normals.len(), 2 * 4, "two faces of four corners, none of them smooth");
     assert!((after.points[0][1] + 0.5f32.sqrt()).abs() < 1e-6 && after.points[0][1] == after.points[0][2]);
-}
-
-#[test]
-fn deform_from_the_command_line() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    let (good, said) =
-        run(here, &["deform", "head", "-e", "point += frame * [0 1 0]", "-o", "h.##.obj", "--frames", "1-3"]);
-    assert!(good, "{said}");
-    assert!(said.contains("wrote h.02.obj"), "{said}");
-    let [head, third] = [mesh::head(), read(&here.join("h.03.obj")).unwrap().mesh];
-    assert_eq!(
-        third.points[5],
-        head.points[5]
-            .map(|c| c)
-            .map(f32::from)
-            .into_iter()
-            .enumerate()
-            .map(|(i, c)| if i == 1 { c + 3.0 } else { c })
-            .collect::<Vec<_>>()[..]
-    );
-    assert!((2000..8000).contains(&head.points.len()), "{}", head.points.len());
-    assert!(head.faces.iter().all(|face| face.corners == 4));
-    // Closed: each edge has a face on either side.
-    let mut edges = std::collections::HashMap::new();
-    for face in &head.faces {
-        let corners = head.corners_of(face);
-        for i in 0..4 {
-            let [a, b] = [corners[i].point, corners[(i + 1) % 4].point];
-            *edges.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { 1 } else { -1 };
-        }
-    }
-    assert!(edges.values().all(|&n| n == 0));
-
-    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "color = normal", "-o", "b.obj"]);
-    assert!(!good && said.contains("assigns no point") && said.contains("for example"), "{said}");
-    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "point += 1", "-o", "h.01.obj"]);
-    assert!(!good && said.contains("is the input"), "{said}");
-    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "point += depth", "-o", "b.ply"]);
-    assert!(!good && said.contains("A vertex of this mesh has point, normal, uv."), "{said}");
-    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "point += 1", "-o", "b.glb"]);
-    assert!(good && said.contains("wrote b.glb"), "{said}");
 }

@@ -109,7 +109,7 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
             ..RunOptions::default()
         };
         let report = program.run(&deform.image(), &options)?;
-        let moved = deform.moved(&report.image).map_err(|fault| Failure::Plain(Box::new(fault)))?;
+        let moved = deform.moved(&report.image).map_err(Failure::Plain)?;
         moved.write(&target)?;
         meter.frame();
         if !args.quiet {

@@ -56,8 +56,10 @@ impl Deform {
         for i in 0..3 {
             planes.push(mesh.points.iter().map(|p| p[i]).collect());
         }
+        let normals: Vec<[f32; 3]> =
+            places.iter().map(|&p| smooth[p as usize].as_vec3().to_array()).collect();
         for i in 0..3 {
-            planes.push(places.iter().map(|&p| smooth[p as usize][i] as f32).collect());
+            planes.push(normals.iter().map(|n| n[i]).collect());
         }
         if uvs.iter().any(Option::is_some) {
             let uv = |place: u32| uvs[place as usize].map_or([0.0; 2], |uv| mesh.uvs[uv as usize]);
@@ -91,27 +93,30 @@ impl Deform {
     ///
     /// # Errors
     /// If it has no `point`, one that is no vector of 3, or one that is not finite.
-    pub fn moved(&self, image: &Image<'_>) -> Result<Mesh, Diagnostic> {
-        let wrong = |message: String| Diagnostic::bare("deform", message);
+    pub fn moved(&self, image: &Image<'_>) -> Result<Mesh, Box<Diagnostic>> {
+        let wrong =
+            |message: String, hint: &str| Err(Box::new(Diagnostic::bare("deform", message).hint(hint)));
         let point =
             image.variable("point").filter(|v| v.planes.iter().all(|p| p.len() == self.mesh.points.len()));
         let Some(point) = point else {
-            return Err(wrong("the program assigns no point".into())
-                .hint("A deformation says where each vertex goes, for example: point += 0.1 * normal * Noise(4 * point)."));
+            return wrong(
+                "the program assigns no point".into(),
+                "A deformation says where each vertex goes, for example: point += 0.1 * normal * Noise(4 * point).",
+            );
         };
         let [x, y, z] = &point.planes[..] else {
-            return Err(wrong(format!("point is {}, where a vertex needs a vector of 3", point.shape))
-                .hint("Say where it goes: point = [x y z]."));
+            let message = format!("point is {}, where a vertex needs a vector of 3", point.shape);
+            return wrong(message, "Say where it goes: point = [x y z].");
         };
         let mut mesh = self.mesh.clone();
         for (i, place) in mesh.points.iter_mut().enumerate() {
             let moved = [x[i], y[i], z[i]];
             if moved.iter().any(|c| !c.is_finite()) {
                 let ([x, y, z], [a, b, c], vertex) = (moved, *place, i + 1);
-                return Err(wrong(format!(
-                    "the program moves vertex {vertex} to [{x} {y} {z}], which is no place"
-                ))
-                .hint(format!("It was at [{a} {b} {c}].")));
+                return wrong(
+                    format!("the program moves vertex {vertex} to [{x} {y} {z}], which is no place"),
+                    &format!("It was at [{a} {b} {c}]."),
+                );
             }
             *place = moved;
         }

@@ -79,56 +79,52 @@ fn shape(d: DVec3) -> DVec3 {
     let DVec3 { x, y, z } = d;
     // The skull: longer than wide, its back full, the jaw narrow and further forward.
     let low = step(0.15, -0.85, y);
-    let mut p = DVec3::new(0.74 * x, y, 0.9 * z);
-    p.x *= 1.0 - 0.3 * low;
-    p.z += 0.1 * low * step(-0.3, 0.8, z);
+    let mut p = DVec3::new(0.72 * x, y, 0.9 * z);
+    p.x *= 1.0 - 0.22 * low;
+    p.z += 0.12 * low * step(-0.3, 0.8, z);
     p.z -= 0.13 * step(0.0, -1.0, z) * step(-0.5, 0.3, y);
     p.z -= 0.06 * step(0.35, 0.9, y) * step(0.0, 1.0, z);
     // The temples go in a little, the face is flatter than a ball.
     p.x *= 1.0 - 0.06 * hill((y - 0.25) / 0.3, (z - 0.45) / 0.35);
     p.z -= 0.05 * step(0.5, 1.0, z);
-
-    // Features of the face, by height and by distance from the middle.
-    let front = step(0.05, 0.45, z);
-    let side = x.abs();
-    let at = |x: f64, y0: f64, width: f64, height: f64| hill((side - x) / width, (y - y0) / height);
-    let mut out = 0.0;
-    out += 0.075 * at(0.2, 0.245, 0.17, 0.055) + 0.03 * at(0.0, 0.25, 0.1, 0.08);
-    out -= 0.13 * at(0.25, 0.12, 0.105, 0.075);
-    out += 0.085 * at(0.25, 0.115, 0.062, 0.052);
-    out -= 0.022 * at(0.25, 0.115, 0.09, 0.012);
-    out += 0.055 * at(0.4, -0.03, 0.13, 0.1);
-    out -= 0.035 * at(0.36, -0.3, 0.11, 0.13);
-    // The nose rises towards its tip, and ends there.
-    let along = ((0.2 - y) / 0.33).clamp(0.0, 1.0);
-    let bridge = hill(side / (0.055 + 0.035 * along), 0.0) * step(0.3, 0.15, y) * step(-0.2, -0.125, y);
-    out += bridge * (0.05 + 0.2 * along * along.sqrt());
-    out += 0.085 * at(0.085, -0.115, 0.045, 0.045);
-    out -= 0.03 * at(0.05, -0.165, 0.03, 0.022);
-    // Lips, with the mouth between them, and the chin.
-    out += 0.035 * at(0.0, -0.36, 0.2, 0.15);
-    out += 0.05 * at(0.0, -0.305, 0.13, 0.032) - 0.018 * at(0.0, -0.25, 0.025, 0.04);
-    out -= 0.062 * at(0.0, -0.352, 0.16, 0.018);
-    out += 0.055 * at(0.0, -0.402, 0.11, 0.035);
-    out -= 0.045 * at(0.0, -0.475, 0.14, 0.035);
-    out += 0.095 * at(0.0, -0.61, 0.15, 0.09);
-    p += front * out * DVec3::new(0.25 * x, 0.1 * y, 1.0).normalize();
+    p += step(0.05, 0.45, z) * features(x.abs(), y) * DVec3::new(0.25 * x, 0.1 * y, 1.0).normalize();
 
     // Ears: a rim with a hollow in it, standing off the side of the head.
-    let ear = DVec2::new((z + 0.02 - 0.12 * (y - 0.05)) / 0.105, (y - 0.06) / 0.2);
+    let ear = DVec2::new((z + 0.02 - 0.15 * (y - 0.05)) / 0.13, (y - 0.06) / 0.2);
     let far = ear.length();
-    let outside = step(0.72, 0.95, side);
-    let rim = hill((far - 0.8) / 0.38, 0.0) * step(1.7, 1.1, far);
-    p.x += x.signum()
-        * outside
-        * (0.15 * rim * (1.0 - 0.35 * step(0.0, 1.2, ear.x)) + 0.05 * step(1.1, 0.7, far));
-    p.z -= outside * 0.06 * step(1.4, 0.6, far);
+    let outside = step(0.72, 0.95, x.abs());
+    let rim = hill((far - 0.75) / 0.35, 0.0) * step(1.5, 1.0, far) * (1.0 - 0.6 * step(0.0, 1.0, ear.x));
+    p.x += x.signum() * outside * (0.075 * rim + 0.02 * step(1.1, 0.7, far));
+    p.z -= outside * 0.05 * step(1.5, 0.5, far) * step(0.5, -1.0, ear.x);
 
     // The neck: what is lowest goes down, as wide as a neck.
     let neck = step(-0.72, -0.9, y - 0.12 * z);
-    let around = p.with_y(0.0);
-    let wide = DVec3::new(1.25 * x, 0.0, 1.2 * z - 0.05).clamp_length_max(0.4) + DVec3::new(0.0, 0.0, -0.1);
-    let deep = step(-0.85, -0.97, y);
-    p = around.lerp(wide, neck).with_y(p.y - 0.33 * neck.max(deep) * step(-0.72, -0.93, y));
-    p
+    let wide = DVec3::new(1.25 * x, 0.0, 1.2 * z - 0.05).clamp_length_max(0.4) - DVec3::new(0.0, 0.0, 0.1);
+    let down = 0.33 * neck.max(step(-0.85, -0.97, y)) * step(-0.72, -0.93, y);
+    p.lerp(wide.with_y(p.y), neck).with_y(p.y - down)
+}
+
+/// How far the face stands out of the ball, by the distance from its middle and by height.
+fn features(side: f64, y: f64) -> f64 {
+    let at = |x: f64, y0: f64, width: f64, height: f64| hill((side - x) / width, (y - y0) / height);
+    // Brows, sockets with eyes in them and a slit between the lids, cheekbones, cheeks.
+    let mut out = 0.06 * at(0.24, 0.245, 0.2, 0.06) + 0.02 * at(0.0, 0.25, 0.1, 0.08);
+    out -= 0.15 * at(0.29, 0.12, 0.14, 0.085);
+    out += 0.105 * at(0.29, 0.11, 0.08, 0.055);
+    out -= 0.03 * at(0.29, 0.105, 0.1, 0.013);
+    out += 0.05 * at(0.48, -0.05, 0.16, 0.11);
+    out -= 0.03 * at(0.42, -0.32, 0.13, 0.14);
+    // The nose rises towards its tip, and ends there; its wings, and holes.
+    let along = ((0.2 - y) / 0.33).clamp(0.0, 1.0);
+    let bridge = hill(side / (0.065 + 0.05 * along), 0.0) * step(0.3, 0.15, y) * step(-0.21, -0.125, y);
+    out += bridge * (0.04 + 0.17 * along * along.sqrt());
+    out += 0.07 * at(0.11, -0.115, 0.055, 0.05);
+    out -= 0.03 * at(0.06, -0.17, 0.035, 0.022);
+    // Lips, with the mouth between them, and the chin.
+    out += 0.035 * at(0.0, -0.36, 0.24, 0.15);
+    out += 0.04 * at(0.0, -0.305, 0.17, 0.035) - 0.014 * at(0.0, -0.25, 0.03, 0.04);
+    out -= 0.055 * at(0.0, -0.352, 0.2, 0.018);
+    out += 0.045 * at(0.0, -0.405, 0.14, 0.038);
+    out -= 0.035 * at(0.0, -0.475, 0.18, 0.035);
+    out + 0.13 * at(0.0, -0.62, 0.19, 0.1)
 }

@@ -7,7 +7,7 @@
 use super::error::SceneError;
 use super::ray::{Hit, Ray};
 use crate::mesh::{Cutter, Mesh};
-use glam::{DVec2, DVec3, Vec3A};
+use glam::{DVec2, DVec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -138,11 +138,11 @@ impl Model {
         let skipped = (-origin.dot(ray.direction) - 1.5).max(0.0);
         let near = (origin + ray.direction * skipped).as_vec3a();
         // A ray that is beside the mesh by far meets nothing, and would leave the range of `f32`.
-        if !(near.abs().max_element() < 1e6) {
+        if !near.is_finite() || near.abs().max_element() > 1e6 {
             return None;
         }
         let mut best: Option<(Place, u32)> = None;
-        let local = obvhs::ray::Ray::new_inf(near, Vec3A::from(ray.direction.as_vec3a()));
+        let local = obvhs::ray::Ray::new_inf(near, ray.direction.as_vec3a());
         self.tree.ray_traverse(local, &mut obvhs::ray::RayHit::none(), |_, i| {
             let number = self.tree.primitive_indices[i];
             let Some(place) = test.meet(self.triangles[number as usize].points()) else {

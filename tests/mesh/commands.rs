@@ -1,0 +1,79 @@
+//! Meshes on the command line.
+
+use super::{read, suzanne};
+use assert_cmd::Command;
+use pse::mesh;
+use std::path::Path;
+
+fn run(folder: &Path, words: &[&str]) -> (bool, String) {
+    let output = Command::cargo_bin("pse").unwrap().args(words).current_dir(folder).output().unwrap();
+    (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn the_commands_take_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let mesh = suzanne("glb");
+    let mesh = mesh.to_str().unwrap();
+    let (good, said) = run(here, &["scene", "--mesh", mesh, "-o", "g.exr", "--size", "64x48"]);
+    assert!(good && said.contains("wrote g.exr (64x48)"), "{said}");
+    // At once, and in two steps, are the same.
+    let lines = ["run", "-e", "color = 0.5 * (normal + 1)", "--hash"];
+    let hash = |more: &[&str]| {
+        let output =
+            Command::cargo_bin("pse").unwrap().args(lines).args(more).current_dir(here).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert_eq!(hash(&["-i", "g.exr"]), hash(&["--mesh", mesh, "--size", "64x48"]));
+    assert_ne!(hash(&["-i", "g.exr"]), hash(&["--mesh", mesh, "--size", "64x48", "--up", "z"]));
+    assert_ne!(hash(&["-i", "g.exr"]), hash(&["--mesh", mesh, "--size", "64x48", "--samples", "4"]));
+    let (good, said) = run(here, &["run", "-e", "color = white", "--mesh", mesh, "--scene", "vase"]);
+    assert!(!good && said.contains("--scene and --mesh are two inputs for one"), "{said}");
+    let (good, said) = run(here, &["scene", "--mesh", "none.obj"]);
+    assert!(!good && said.contains("there is no such file"), "{said}");
+
+    // --resume looks into the file.
+    std::fs::copy(mesh, here.join("a.glb")).unwrap();
+    let words =
+        ["run", "-e", "color = normal", "--mesh", "a.glb", "--size", "16x16", "-o", "a.png", "--resume"];
+    assert!(run(here, &words).1.contains("wrote a.png"));
+    assert!(run(here, &words).1.contains("1 of 1 frames were there already"));
+    mesh::head().write(&here.join("a.glb")).unwrap();
+    assert!(run(here, &words).1.contains("wrote a.png"));
+}
+
+#[test]
+fn deform_from_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let (good, said) =
+        run(here, &["deform", "head", "-e", "point += frame * [0 1 0]", "-o", "h.##.obj", "--frames", "1-3"]);
+    assert!(good, "{said}");
+    assert!(said.contains("wrote h.02.obj"), "{said}");
+    let [head, third] = [mesh::head(), read(&here.join("h.03.obj")).unwrap().mesh];
+    let [x, y, z] = head.points[5];
+    assert_eq!(third.points[5], [x, y + 3.0, z]);
+    assert!((2000..8000).contains(&head.points.len()), "{}", head.points.len());
+    assert!(head.faces.iter().all(|face| face.corners == 4));
+    // Closed: each edge has a face on either side.
+    let mut edges = std::collections::HashMap::new();
+    for face in &head.faces {
+        let corners = head.corners_of(face);
+        for i in 0..4 {
+            let [a, b] = [corners[i].point, corners[(i + 1) % 4].point];
+            *edges.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { 1 } else { -1 };
+        }
+    }
+    assert!(edges.values().all(|&n| n == 0));
+
+    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "color = normal", "-o", "b.obj"]);
+    assert!(!good && said.contains("assigns no point") && said.contains("for example"), "{said}");
+    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "point += 1", "-o", "h.01.obj"]);
+    assert!(!good && said.contains("is the input"), "{said}");
+    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "point += depth", "-o", "b.ply"]);
+    assert!(!good && said.contains("A vertex of this mesh has point, normal, uv."), "{said}");
+    let (good, said) = run(here, &["deform", "h.01.obj", "-e", "point += 1", "-o", "b.glb"]);
+    assert!(good && said.contains("wrote b.glb"), "{said}");
+}
