@@ -78,7 +78,6 @@ fn the_same_head_from_both_formats() {
     assert_eq!((obj.mesh.faces.len(), obj.mesh.corners.len()), (1968, 4 * 1968));
     assert_eq!(obj.mesh.points[0], [0.439019, 0.159939, 0.756944]);
     assert_eq!(obj.mesh.surfaces, ["Suzanne"]);
-    assert!(obj.notes.is_empty(), "{:?}", obj.notes);
     let glb = read(&suzanne("glb")).unwrap();
     assert_eq!((glb.mesh.points.len(), glb.mesh.normals.len(), glb.mesh.uvs.len()), (2109, 2109, 2109));
     assert_eq!((glb.mesh.faces.len(), glb.mesh.corners.len()), (3936, 3 * 3936));
@@ -238,6 +237,8 @@ fn nodes_of_gltf_move_turn_and_mirror() {
     assert!(error.contains("requires the extension KHR_draco_mesh_compression"), "{error}");
     let encoded = "data:application/octet-stream;base64,AAAA";
     assert!(fails(gltf("", encoded)).contains("buffer 0 has 3 bytes, but should have 52"));
+    let lost = gltf("", "some%20data.bin").replace("\"POSITION\":1", "\"POSITION\":7");
+    assert!(fails(lost).contains("accessor 7, which is not there"));
     std::fs::write(&path, gltf("\"KHR_materials_unlit\"", "some%20data.bin")).unwrap();
     assert!(read(&path).is_ok());
 }
@@ -269,7 +270,6 @@ fn a_closed_mesh_has_no_holes_from_anywhere() {
         let mut mesh = of("obj", ball(steps)).unwrap();
         mesh.points.iter_mut().flatten().for_each(|c| *c *= scale);
         let model = Arc::new(Model::new(mesh).unwrap());
-        let mut seen = 0;
         for i in 0..40 {
             let (a, b) = (i as f64 * 2.4, libm::asin(i as f64 / 20.0 - 0.97));
             let from = [libm::cos(a) * libm::cos(b), libm::sin(a) * libm::cos(b), libm::sin(b)];
@@ -290,9 +290,7 @@ fn a_closed_mesh_has_no_holes_from_anywhere() {
             // Nor does any ray go through to the far side.
             let depth = &image.variable("depth").unwrap().planes[0];
             assert!(depth.iter().all(|&d| f64::from(d) < far * f64::from(scale)), "from {eye:?}");
-            seen += depth.len();
         }
-        assert_eq!(seen, 40 * 41 * 41);
     }
 }
 

@@ -112,8 +112,12 @@ fn document(text: &[u8]) -> Result<gltf::Document, Wrong> {
     // The crate does not know them all, and wants bounds of points that are of no use here.
     root.extensions_required.clear();
     for accessor in &mut root.accessors {
-        accessor.min.get_or_insert_with(|| json!([0, 0, 0]));
-        accessor.max.get_or_insert_with(|| json!([0, 0, 0]));
+        (accessor.min, accessor.max) = (Some(json!([0, 0, 0])), Some(json!([0, 0, 0])));
+    }
+    // Of all references, it follows these before it looks at them.
+    let attributes = root.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|p| p.attributes.values());
+    if let Some(index) = attributes.map(|index| index.value()).find(|&i| i >= root.accessors.len()) {
+        return Err(format!("a vertex attribute refers to accessor {index}, which is not there"));
     }
     gltf::Document::from_json(root).map_err(|error| match error {
         gltf::Error::Validation(faults) => match faults.first() {
