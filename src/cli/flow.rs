@@ -6,7 +6,7 @@ use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
 use super::output;
 use super::progress::{Meter, Style};
-use super::run::{Frame, LimitArgs, frame, positive, set, space};
+use super::run::{Frame, LimitArgs, frame, positive, scene, set, space};
 use super::scene::{Box3, box3};
 use super::source::ProgramArgs;
 use crate::flow::{self, Flow, Pen, Projection, Trajectories};
@@ -226,7 +226,7 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
         (None, Some(count)) => Some(flow::ball(count.min(flow::MAX_POINTS + 1), args.radius)),
         (None, None) => None,
     };
-    let sees = args.images.scene.is_some() || !args.images.input.is_empty();
+    let sees = !args.images.is_empty();
     if !sees {
         let seeds = seeds.unwrap_or_else(|| flow::ball(2000, args.radius));
         // What the seeds are in, and half as much about it: lines leave it, and the camera stays where it is in all frames.
@@ -240,7 +240,7 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
         return Ok(Start { seeds, projection: Some(projection), image: None });
     }
     let inputs = Inputs::open(&args.images.input, &args.images.map, false, frame.number)?;
-    let renderer = args.images.scene.as_ref().map(|name| view.renderer(name)).transpose()?;
+    let renderer = scene(&args.images)?.map(|seen| view.renderer(&seen, frame.number, false)).transpose()?;
     let wanted = ["surface", "point", "depth"].map(String::from);
     let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
     let rows = 0..reader.about().height;

@@ -28,14 +28,25 @@ pub(crate) struct Camera {
 impl Camera {
     /// A camera at `eye` that has `look_at` in the middle of a picture of `size` columns and rows. `fov` is the vertical
     /// angle in degrees; without it, the picture just contains a `frame` of that width and height on the plane at
-    /// distance 1. No coordinate of the points is over `limit`.
+    /// distance 1.
     pub fn new(
         eye: DVec3,
         look_at: DVec3,
         fov: Option<f64>,
         frame: [f64; 2],
         size: [usize; 2],
+    ) -> Result<Camera, SceneError> {
+        Camera::within(LIMIT, eye, look_at, fov, frame, size)
+    }
+
+    /// The same, where no coordinate of the points may be over `limit`.
+    pub fn within(
         limit: f64,
+        eye: DVec3,
+        look_at: DVec3,
+        fov: Option<f64>,
+        frame: [f64; 2],
+        size: [usize; 2],
     ) -> Result<Camera, SceneError> {
         for (what, point) in [("eye", eye), ("look-at point", look_at)] {
             // Not `>`: a NaN must fail too.
@@ -90,7 +101,7 @@ mod tests {
     use super::*;
 
     fn camera(eye: [f64; 3], look_at: [f64; 3], fov: f64) -> Result<Camera, SceneError> {
-        Camera::new(eye.into(), look_at.into(), Some(fov), [1.0, 1.0], [4, 2], LIMIT)
+        Camera::new(eye.into(), look_at.into(), Some(fov), [1.0, 1.0], [4, 2])
     }
 
     #[test]
@@ -115,8 +126,7 @@ mod tests {
     #[test]
     fn the_frame_fits_whatever_the_proportions() {
         for size in [[100, 100], [200, 100], [50, 300]] {
-            let camera =
-                Camera::new(DVec3::NEG_Y, DVec3::ZERO, None, [0.5, 0.4], size, LIMIT).expect("a camera");
+            let camera = Camera::new(DVec3::NEG_Y, DVec3::ZERO, None, [0.5, 0.4], size).expect("a camera");
             let corner = camera.ray(size[0] as f64, 0.0).direction;
             let [x, z] = [2.0 * corner.x / corner.y, 2.0 * corner.z / corner.y];
             assert!(x > 0.5 - 1e-12 && z > 0.4 - 1e-12, "{size:?} shows {x} by {z}");

@@ -197,8 +197,8 @@ impl View {
         let [eye, look_at] = places(options, scene.eye.into(), scene.look_at.into());
         let frame = scene.frame.map(|side| side / distance);
         let size = [options.width, options.height];
-        let camera = Camera::new(eye, look_at, options.fov, frame, size, camera::LIMIT)
-            .map_err(|error| error.scaled(scale))?;
+        let camera =
+            Camera::new(eye, look_at, options.fov, frame, size).map_err(|error| error.scaled(scale))?;
         let world = scene.build(&camera)?;
         if let Some(i) = world.iter().position(|surface| surface.holds(camera.eye)) {
             let instead = scene.eye.map(|c| c * scale);
@@ -215,7 +215,7 @@ impl View {
         let [eye, look_at] = places(options, center + radius * DVec3::new(1.2, -3.6, 1.0), center);
         let limit = camera::LIMIT.max(center.abs().max_element() + 1e3 * radius);
         let frame = model.frame(eye, look_at);
-        let camera = Camera::new(eye, look_at, options.fov, frame, [options.width, options.height], limit)
+        let camera = Camera::within(limit, eye, look_at, options.fov, frame, [options.width, options.height])
             .map_err(|error| error.scaled(scale))?;
         Ok(View { camera, seen: Seen::Model(Arc::clone(model)), scale, exit: None })
     }
