@@ -10,6 +10,15 @@
 //! - `uv` has its origin at the bottom left of an image, v up, as in OBJ. (Readers of formats with v down turn it.)
 //! - Numbers are `f32`, as in the files; whoever computes with them does it in `f64`.
 
+mod cut;
+mod format;
+mod split;
+mod write_glb;
+mod write_obj;
+mod write_ply;
+
+pub use format::Format;
+
 /// A polygon mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -61,5 +70,18 @@ impl Mesh {
         Some(self.points.iter().fold([first, first], |[low, high], p| {
             [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
         }))
+    }
+    /// Turns it so that what pointed along y points along z: from the space of glTF and OBJ to that of scenes.
+    pub fn y_up_to_z_up(&mut self) {
+        for [_, y, z] in self.points.iter_mut().chain(&mut self.normals) {
+            (*y, *z) = (-*z, *y);
+        }
+    }
+
+    /// Turns it so that what pointed along z points along y: the way back.
+    pub fn z_up_to_y_up(&mut self) {
+        for [_, y, z] in self.points.iter_mut().chain(&mut self.normals) {
+            (*y, *z) = (*z, -*y);
+        }
     }
 }

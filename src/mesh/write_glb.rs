@@ -1,0 +1,117 @@
+//! glTF 2.0 in one binary file.
+
+use super::Mesh;
+use super::cut::Cutter;
+use super::split::{Split, split};
+use serde_json::{Value, json};
+
+/// Numbers of the format: kinds of components, and what a piece of the data is for.
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+
+/// The mesh as bytes of a file, or why it cannot be one. Several surfaces become materials; faces become triangles.
+pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
+    let Split { vertices, of_corner } = split(mesh);
+    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.surfaces.len().max(1)];
+    let mut cutter = Cutter::new();
+    for face in &mesh.faces {
+        let list = triangles.get_mut(face.surface as usize).ok_or("a face is of no surface")?;
+        cutter.cut(mesh, face, |t| list.extend(t.map(|i| of_corner[(face.first + i) as usize])));
+    }
+    if triangles.iter().all(Vec::is_empty) {
+        return Err("it would have no faces, and a .glb file must have some");
+    }
+
+    let mut data = Data { bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() };
+    let [low, high] = mesh.bounds().unwrap_or_default();
+    let points = vertices.iter().flat_map(|v| mesh.points[v.point as usize]);
+    let mut attributes = serde_json::Map::new();
+    let place = data.add(points.map(f32::to_bits), VERTICES, F32, "VEC3");
+    data.accessors[place]["min"] = json!(low);
+    data.accessors[place]["max"] = json!(high);
+    attributes.insert("POSITION".into(), place.into());
+    if mesh.corners.iter().all(|c| c.normal.is_some()) {
+        // A vertex of no face has none, but there must be one.
+        let normal = |i: Option<u32>| i.map_or([0.0, 0.0, 1.0], |i| mesh.normals[i as usize]);
+        let normals = vertices.iter().flat_map(|v| normal(v.normal));
+        let place = data.add(normals.map(f32::to_bits), VERTICES, F32, "VEC3");
+        attributes.insert("NORMAL".into(), place.into());
+    }
+    if mesh.corners.iter().any(|c| c.uv.is_some()) {
+        // The format has v down.
+        let uv = |i: Option<u32>| i.map_or([0.0, 1.0], |i| mesh.uvs[i as usize]);
+        let uvs = vertices.iter().map(|v| uv(v.uv)).flat_map(|[u, v]| [u, 1.0 - v]);
+        let place = data.add(uvs.map(f32::to_bits), VERTICES, F32, "VEC2");
+        attributes.insert("TEXCOORD_0".into(), place.into());
+    }
+    let several = mesh.surfaces.len() > 1;
+    let mut primitives = Vec::new();
+    for (surface, list) in triangles.into_iter().enumerate().filter(|(_, list)| !list.is_empty()) {
+        let indices = data.add(list.into_iter(), INDICES, U32, "SCALAR");
+        let mut primitive = json!({ "attributes": attributes, "indices": indices });
+        if several {
+            primitive["material"] = surface.into();
+        }
+        primitives.push(primitive);
+    }
+
+    let name = if several { "mesh".to_string() } else { mesh.line_of(0) };
+    let mut root = json!({
+        "asset": { "version": "2.0", "generator": concat!("pse ", env!("CARGO_PKG_VERSION")) },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0, "name": name }],
+        "meshes": [{ "name": name, "primitives": primitives }],
+        "accessors": data.accessors,
+        "bufferViews": data.views,
+        "buffers": [{ "byteLength": data.bytes.len() }],
+    });
+    if several {
+        let material = |i| json!({ "name": mesh.line_of(i), "doubleSided": true });
+        root["materials"] = (0..mesh.surfaces.len()).map(material).collect::<Value>();
+    }
+    let mut text = root.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + text.len() + 8 + data.bytes.len();
+    let size = |n: usize| {
+        u32::try_from(n).map(u32::to_le_bytes).map_err(|_| "a .glb file holds 4 gigabytes at most")
+    };
+    let mut file = Vec::with_capacity(total);
+    file.extend(*b"glTF");
+    file.extend(2u32.to_le_bytes());
+    file.extend(size(total)?);
+    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &data.bytes)] {
+        file.extend(size(chunk.len())?);
+        file.extend(kind);
+        file.extend(chunk);
+    }
+    Ok(file)
+}
+
+/// The binary part of the file, and what describes it.
+struct Data {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Data {
+    /// Adds a list of numbers of four bytes: the number of its accessor.
+    fn add(&mut self, words: impl Iterator<Item = u32>, target: u32, component: u32, kind: &str) -> usize {
+        let offset = self.bytes.len();
+        self.bytes.extend(words.flat_map(u32::to_le_bytes));
+        let length = self.bytes.len() - offset;
+        let width = match kind {
+            "VEC3" => 12,
+            "VEC2" => 8,
+            _ => 4,
+        };
+        self.views.push(json!({ "buffer": 0, "byteOffset": offset, "byteLength": length, "target": target }));
+        self.accessors.push(json!({
+            "bufferView": self.views.len() - 1, "componentType": component, "count": length / width, "type": kind,
+        }));
+        self.accessors.len() - 1
+    }
+}
