@@ -1,15 +1,20 @@
-//! Built-in scenes: `pse scene`, and the options that choose a view of one.
+//! Built-in scenes and solids: `pse scene`, and the options that choose a view of one.
 
 use super::failure::{Failure, print, warn};
+use super::input::Finder;
 use super::interrupt;
 use super::output;
 use super::progress::{Meter, Style};
 use super::region::bands;
+use super::run::set;
+use super::solid::{SolidArgs, tell, warn_unseen};
 use crate::image::{WriteOptions, Writer};
-use crate::program::Progress;
+use crate::mesh;
+use crate::program::{Limits, Progress};
 use crate::scene::{self, Options, Renderer, parse_point, parse_size};
 use clap::Args;
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 /// A view of a scene.
@@ -70,25 +75,29 @@ fn point(text: &str) -> Result<Point, String> {
 }
 
 impl ViewArgs {
-    /// Is anything given that only a scene has?
+    /// Is anything given that only a scene or a solid has?
     pub fn is_given(&self) -> bool {
         let ViewArgs { size, eye, look_at, fov, scale } = self;
         size.is_some() || eye.is_some() || look_at.is_some() || fov.is_some() || scale.is_some()
     }
 
-    /// The scene of that name in this view.
-    pub fn renderer(&self, name: &str) -> Result<Renderer, Failure> {
+    /// The view, as scenes and solids take it.
+    pub fn options(&self) -> Options {
         let default = Options::default();
         let [width, height] = self.size.map_or([default.width, default.height], |s| s.0);
-        let options = Options {
+        Options {
             width,
             height,
             eye: self.eye.map(|p| p.0),
             look_at: self.look_at.map(|p| p.0),
             fov: self.fov,
             scale: self.scale.unwrap_or(default.scale),
-        };
-        Ok(Renderer::new(name, &options)?)
+        }
+    }
+
+    /// The scene of that name in this view.
+    pub fn renderer(&self, name: &str) -> Result<Renderer, Failure> {
+        Ok(Renderer::new(name, &self.options())?)
     }
 }
 
@@ -96,14 +105,17 @@ impl ViewArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pse scene --list\n  pse scene vase -o vase.exr --size 480x640\n  \
                         pse scene floor -o floor.exr --eye 3,-8,5 --look-at 0,0,0.5 --fov 35\n  \
-                        pse scene ocean -o - | pse run waves.pse -i - -o waves.png")]
+                        pse scene ocean -o - | pse run waves.pse -i - -o waves.png\n  \
+                        pse scene --iso coral.pse -o coral.exr --eye 2,-6,3\n  \
+                        pse scene --iso coral.pse -o coral.ply --resolution 256")]
 pub(super) struct SceneArgs {
-    /// The scene; without it the scenes are listed
+    /// The scene; without it, and without --iso, the scenes are listed
+    #[arg(conflicts_with = "iso")]
     name: Option<String>,
     /// List the scenes
-    #[arg(long, conflicts_with = "name")]
+    #[arg(long, conflicts_with_all = ["name", "iso"])]
     list: bool,
-    /// The file to write, NAME.exr if not given; - is standard output
+    /// The file to write, NAME.exr if not given; - is standard output. Of a solid also a mesh, with y up: .obj, .ply or .glb
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Say nothing but errors
@@ -111,10 +123,38 @@ pub(super) struct SceneArgs {
     quiet: bool,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    solid: SolidArgs,
+    #[command(flatten)]
+    making: MakingArgs,
+}
+
+/// How a solid is made.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Solid")]
+struct MakingArgs {
+    /// Cells of a mesh along the longest side of the box
+    #[arg(long, value_name = "N", requires = "iso", default_value_t = 128)]
+    resolution: usize,
+    /// Set a param of the solid's program to an expression: size=6
+    #[arg(long, value_name = "NAME=VALUE", requires = "iso")]
+    set: Vec<String>,
+    /// The number of the frame
+    #[arg(long, value_name = "N", requires = "iso", allow_negative_numbers = true, default_value_t = 0.0)]
+    frame: f32,
+    /// Look for files that the solid's program imports in this folder too
+    #[arg(long, value_name = "DIR", requires = "iso")]
+    path: Vec<PathBuf>,
+    /// Tell how the surface was found
+    #[arg(long, requires = "iso")]
+    stats: bool,
 }
 
 /// Writes a scene's G-buffer, or lists the scenes.
 pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
+    if let Some(file) = &args.solid.iso {
+        return solid(args, file);
+    }
     let Some(name) = args.name.as_ref().filter(|_| !args.list) else {
         let width = scene::scenes().iter().map(|s| s.name.len()).max().unwrap_or(0);
         let lines = scene::scenes().iter().map(|s| format!("{:width$}  {}\n", s.name, s.brief));
@@ -124,13 +164,82 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
     output::check(&path)?;
     let renderer = args.view.renderer(name)?;
-    let [width, height] = renderer.size();
-    let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
+    let [_, height] = renderer.size();
+    write(args, name, &path, Finder::Scene(&renderer), bands(renderer.size()[0], 0..height))
+}
+
+/// Writes the G-buffer of a solid, or a mesh of it.
+fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
+    let SceneArgs { solid, view, making, .. } = args;
+    let stem = file.file_stem().filter(|_| file.as_os_str() != "-");
+    let name = stem.map_or("solid".into(), |s| s.to_string_lossy().into_owned());
+    let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
+    let meshed = mesh::Format::of(&path).is_some();
+    match meshed {
+        true => {
+            mesh::Format::to_write(&path)?;
+            if solid.soft {
+                return Err(Failure::usage("what is soft has no surface for a mesh")
+                    .hint("Leave out --soft, or write an .exr file."));
+            }
+        }
+        false => {
+            output::check(&path)?;
+        }
+    }
+    let set = making.set.iter().map(|text| set(text, making.frame)).collect::<Result<_, _>>()?;
+    interrupt::watch(true);
+    let found = solid.open(view, &making.path, Limits::default(), set, making.frame)?;
+    let Some(found) = found else { return Ok(()) };
+    if meshed {
+        let meter = Meter::new(&name, Style::Bar, args.quiet, 1);
+        let mut mesh = found.mesh(making.resolution, &|progress| meter.update(progress))?;
+        meter.frame();
+        if mesh.faces.is_empty() {
+            return Err(Failure::plain("there is no surface in the box")
+                .hint("See whether the density passes the --level within the --box."));
+        }
+        // As other programs, and --mesh, take it to be.
+        mesh.z_up_to_y_up();
+        mesh.write(&path)?;
+        if !args.quiet {
+            let (points, faces) = (mesh.points.len(), mesh.faces.len());
+            warn(&format!("wrote {} ({points} points, {faces} triangles)", output::shown(&path)));
+        }
+    } else {
+        let [width, height] = found.size();
+        // Enough rays to go on together, and few enough to tell how far all has come.
+        let rows =
+            (0..height).step_by(BAND.div_ceil(width)).map(|top| top..height.min(top + BAND.div_ceil(width)));
+        write(args, &name, &path, Finder::Solid(&found), rows)?;
+        if !args.quiet {
+            warn_unseen(&found.told());
+        }
+    }
+    if making.stats {
+        tell(&found.told());
+    }
+    Ok(())
+}
+
+/// Rays that go on together, about.
+const BAND: usize = 1 << 16;
+
+/// Writes what is seen, band after band.
+fn write(
+    args: &SceneArgs,
+    name: &str,
+    path: &Path,
+    seen: Finder<'_>,
+    bands: impl Iterator<Item = Range<usize>>,
+) -> Result<(), Failure> {
+    let [width, height] = seen.size();
+    let mut writer = Writer::create(path, height, &WriteOptions::default())?;
     let meter = Meter::new(name, Style::Bar, args.quiet, 1);
     interrupt::watch(true);
-    for rows in bands(width, 0..height) {
+    for rows in bands {
         let done = rows.end * width;
-        writer.rows(&renderer.rows(rows)?)?;
+        writer.rows(&seen.rows(rows)?)?;
         meter.update(Progress { done, total: width * height });
         if interrupt::CANCEL.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted);
@@ -139,7 +248,7 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     writer.finish()?;
     meter.frame();
     if !args.quiet {
-        warn(&format!("wrote {} ({width}x{height})", output::shown(&path)));
+        warn(&format!("wrote {} ({width}x{height})", output::shown(path)));
     }
     Ok(())
 }
