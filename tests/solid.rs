@@ -52,7 +52,7 @@ fn wrong(image: &Image<'_>, radius: f64) -> usize {
             Some(distance) => {
                 let there: [f64; 3] = std::array::from_fn(|i| EYE[i] + distance * ray[i]);
                 let found = vector(image, "point", *pixel);
-                let away: f64 = (0..3).map(|i| (there[i] - found[i]).powi(2)).sum();
+                let away: f64 = (0..3).map(|i| (there[i] - found[i]) * (there[i] - found[i])).sum();
                 // Where the ray touches, a rounding is long along it.
                 let slant = dot(there, ray).abs() / radius;
                 !seen || away.sqrt() > 2e-6 / slant.max(1e-3)
@@ -136,7 +136,7 @@ fn a_noisy_solid_is_what_tiny_steps_find() {
             None => !seen,
             Some(distance) => {
                 let point = vector(&image, "point", i);
-                let own = (0..3).map(|a| (point[a] - EYE[a]).powi(2)).sum::<f64>().sqrt();
+                let own = (0..3).map(|a| (point[a] - EYE[a]) * (point[a] - EYE[a])).sum::<f64>().sqrt();
                 seen && (own - distance).abs() < 2.0 * step
             }
         }
@@ -166,7 +166,7 @@ fn exact_and_difference_normals_agree() {
     for pixel in (0..160 * 120).filter(|&i| plane(&a, "surface", 0)[i] > 0.0) {
         let (a, b) = (vector(&a, "normal", pixel), vector(&b, "normal", pixel));
         assert!((dot(a, a) - 1.0).abs() < 1e-5);
-        assert!(dot(a, b) > 0.9999, "{a:?} {b:?}");
+        assert!(dot(a, b) > 0.9998, "{a:?} {b:?}");
         seen += 1;
     }
     assert!(seen > 3000, "{seen}");
@@ -174,8 +174,7 @@ fn exact_and_difference_normals_agree() {
 
 #[test]
 fn a_box_cuts_flat() {
-    let options = SolidOptions { bounds: [[-1.5, -0.5, -1.5], [1.5, 0.5, 1.5]], ..options(60, 60) };
-    let mut options = options;
+    let mut options = SolidOptions { bounds: [[-1.5, -0.5, -1.5], [1.5, 0.5, 1.5]], ..options(60, 60) };
     (options.view.eye, options.view.look_at, options.view.fov) =
         (Some([0.0, -6.0, 0.0]), Some([0.0; 3]), Some(30.0));
     let image =
@@ -244,7 +243,7 @@ fn meshes_are_closed_and_face_outwards() {
     assert!((volume / (4.0 / 3.0 * PI) - 1.0).abs() < 0.01, "{volume}");
     for (point, normal) in ball.points.iter().zip(&ball.normals) {
         let (point, normal) = (point.map(f64::from), normal.map(f64::from));
-        assert!((dot(point, point) - 1.0).abs() < 1e-4, "{point:?}");
+        assert!((dot(point, point) - 1.0).abs() < 2e-4, "{point:?}");
         assert!(dot(point, normal) > 0.9999, "{point:?} {normal:?}");
     }
     let (euler, volume) =
@@ -277,7 +276,7 @@ function emission(p)\n    return [1 0.5 0]";
         let alpha = f64::from(plane(&image, "alpha", 0)[pixel]);
         let along = dot(EYE, ray);
         let chord = 2.0 * (along * along - dot(EYE, EYE) + 1.0).max(0.0).sqrt();
-        assert!((alpha - (1.0 - (-0.8 * chord).exp())).abs() < 3e-3, "{alpha} {chord}");
+        assert!((alpha - (1.0 - libm::exp(-0.8 * chord))).abs() < 3e-3, "{alpha} {chord}");
         let color = vector(&image, "color", pixel);
         assert!((color[0] - alpha).abs() < 1e-6 && (color[1] - 0.5 * alpha).abs() < 1e-6);
     }
@@ -323,7 +322,7 @@ fn errors_say_what_to_do() {
     );
     let bounds = |low: [f64; 3], high: [f64; 3]| SolidOptions { bounds: [low, high], ..plain.clone() };
     assert!(fails(ball, &bounds([1.0; 3], [1.0; 3]), &[]).starts_with("the box is empty"));
-    assert!(fails(ball, &bounds([1e9; 3], [1.1e9; 3]), &[]).contains("too far from the origin"));
+    assert!(fails(ball, &bounds([100.0; 3], [100.001; 3]), &[]).contains("too far from the origin"));
     let flat = SolidOptions { lipschitz: Some(0.0), ..plain.clone() };
     assert!(fails(ball, &flat, &[]).contains("not a positive number"));
     let mesh = solid(ball, &plain).mesh(1, &|_| ()).expect_err("too coarse");

@@ -91,7 +91,7 @@ impl SolidArgs {
 
 /// What rows are rendered from.
 pub(super) enum Found {
-    Scene(Renderer),
+    Scene(Box<Renderer>),
     Solid(Box<Isosurface<'static>>),
 }
 

@@ -13,7 +13,7 @@ const LEAST_STEP: f64 = 1.0 / 64.0;
 const FLAT_STEP: f64 = 0.25;
 
 /// The step to both sides for a gradient, as a share of a pixel's width there.
-const GRADIENT_STEP: f64 = 0.5;
+const GRADIENT_STEP: f64 = 0.125;
 
 /// More than the slope's bound allows, which rounding may do.
 const TOLERANCE: f64 = 1e-3;
@@ -139,7 +139,11 @@ impl March<'_, '_> {
         found.rounds = found.rounds.max(rounds);
         self.field.refine(&mut brackets, self.spacing)?;
         let points: Vec<DVec3> = brackets.iter().map(|b| b.within.0).collect();
-        let wide = |i: usize| GRADIENT_STEP * self.width(points[i].distance(all[hits[i]].0.origin));
+        let wide = |i: usize| {
+            let step = GRADIENT_STEP * self.width(points[i].distance(all[hits[i]].0.origin));
+            // Not so near that the rounding of the density would be a slope.
+            step.max(2.5 * self.finest)
+        };
         let gradients = self.field.gradient(&points, wide, self.spacing)?;
         for ((index, point), gradient) in hits.into_iter().zip(points.iter().copied()).zip(gradients) {
             found.places.push(Place { index, point, normal: -gradient.normalize_or_zero() });

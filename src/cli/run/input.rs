@@ -45,7 +45,7 @@ impl FrameInput {
         let view = &args.images.view;
         let solid = plan.solid(args, frame.value)?.map(|solid| Found::Solid(solid.into()));
         let scene = match &plan.scene {
-            Some(name) => Some(Found::Scene(view.renderer(name)?)),
+            Some(name) => Some(Found::Scene(view.renderer(name)?.into())),
             None => solid,
         };
         let mut reader = inputs.reader(scene.as_ref().map(Found::finder), &plan.wanted)?;
