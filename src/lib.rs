@@ -20,6 +20,7 @@ pub mod reference;
 pub mod resolve;
 pub mod scene;
 pub mod shape;
+pub mod solid;
 pub mod syntax;
 pub mod texture;
 pub mod value;

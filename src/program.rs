@@ -38,6 +38,7 @@ pub struct Program {
 }
 
 /// Compiles programs that import files or call functions of the host.
+#[derive(Clone)]
 pub struct Compiler<'h> {
     host: &'h dyn Host,
     functions: HostFunctions,

@@ -6,6 +6,7 @@ use super::region::Region;
 use super::scene::ViewArgs;
 use crate::image::{ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, Rows, read};
 use crate::scene::Renderer;
+use crate::solid::Isosurface;
 use clap::Args;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -107,9 +108,49 @@ pub(super) struct Opened {
     pub file: File,
 }
 
+/// What finds the visible surface where there is no file.
+#[derive(Clone, Copy)]
+pub(super) enum Finder<'i> {
+    /// A scene.
+    Scene(&'i Renderer),
+    /// A solid.
+    Solid(&'i Isosurface<'static>),
+}
+
+impl<'i> From<&'i Renderer> for Finder<'i> {
+    fn from(scene: &'i Renderer) -> Finder<'i> {
+        Finder::Scene(scene)
+    }
+}
+
+impl Finder<'_> {
+    /// Columns and rows of the whole picture.
+    pub fn size(self) -> [usize; 2] {
+        match self {
+            Finder::Scene(scene) => scene.size(),
+            Finder::Solid(solid) => solid.size(),
+        }
+    }
+
+    /// Some rows.
+    pub fn rows(self, rows: Range<usize>) -> Result<Image<'static>, Failure> {
+        match self {
+            Finder::Scene(scene) => Ok(scene.rows(rows)?),
+            Finder::Solid(solid) => Ok(solid.rows(rows)?),
+        }
+    }
+
+    fn names(self) -> Vec<&'static str> {
+        match self {
+            Finder::Scene(scene) => scene.names().collect(),
+            Finder::Solid(solid) => solid.names().collect(),
+        }
+    }
+}
+
 /// The images of a run, read from the top down as if they were one.
 pub(super) struct Reader<'i> {
-    scene: Option<&'i Renderer>,
+    scene: Option<Finder<'i>>,
     /// Each file, with the names that its variables have in the program.
     files: Vec<(Rows<'i>, Vec<String>)>,
     /// Size and windows of the whole, without any variable.
@@ -213,15 +254,17 @@ impl Inputs {
     /// Prepares to read what `wanted` names and the files have; a scene comes first.
     pub fn reader<'i>(
         &'i self,
-        scene: Option<&'i Renderer>,
+        scene: Option<impl Into<Finder<'i>>>,
         wanted: &[String],
     ) -> Result<Reader<'i>, Failure> {
+        let scene: Option<Finder<'i>> = scene.map(Into::into);
         let mut taken: Vec<&str> = Vec::new();
         let mut reader = Reader { scene, files: Vec::new(), about: Image::default() };
         let mut first: Option<String> = None;
         if let Some(scene) = scene {
             [reader.about.width, reader.about.height] = scene.size();
-            first = Some("the scene or mesh".to_string());
+            let what = if matches!(scene, Finder::Solid(_)) { "the solid" } else { "the scene or mesh" };
+            first = Some(what.to_string());
         }
         for Opened { name, file } in &self.list {
             let mut names = Vec::new();

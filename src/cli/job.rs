@@ -53,6 +53,10 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
         return Err(Failure::usage("a job cannot read standard input: it runs elsewhere, and later")
             .hint("Give files."));
     }
+    if run.solid.iso.is_some() {
+        return Err(Failure::usage("a job has no place for the program of --iso")
+            .hint("Write the solid with pse scene --iso, and give the file with -i."));
+    }
     let pictures = pictures(run.output.clone(), &run.program.stem(), run.frames.is_some())?;
     let ranges = run.frames.as_ref().map(|frames| frames::ranges(&frames.0, ":"));
     let files = files::Files::of(run, &plan)?;

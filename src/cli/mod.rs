@@ -27,6 +27,7 @@ mod region;
 mod repl;
 mod run;
 mod scene;
+mod solid;
 mod source;
 mod state;
 mod stats;
@@ -77,7 +78,7 @@ enum Command {
     Job(Box<job::JobArgs>),
     /// Join the tiles of a picture
     Join(join::JoinArgs),
-    /// Write the G-buffer of a built-in scene or a mesh, or list the scenes
+    /// Write the G-buffer of a built-in scene, a mesh or a solid, or list the scenes
     Scene(scene::SceneArgs),
     /// Follow points that a program's velocity carries along, and draw their lines
     Flow(Box<flow::FlowArgs>),

@@ -19,6 +19,7 @@ use super::output;
 use super::prints::Shown;
 use super::progress::Meter;
 use super::region::Region;
+use super::solid::{tell, warn_unseen};
 use crate::diagnostic::Diagnostic;
 use crate::eval::{BATCH, Places, Resample};
 use crate::image::Image;
@@ -114,13 +115,13 @@ impl Work<'_> {
             return Ok(Done::Skipped);
         }
         let start = Instant::now();
-        let moving = args.images.paths().any(frames::has_pattern);
+        let moving = args.solid.iso.is_some() || args.images.paths().any(frames::has_pattern);
         let input = match self.kept.take() {
             Some(input) => input,
             None => {
                 // What is run several times is read once.
                 let keep = args.repeat.is_some() || plan.frames.len() > 1 && !moving && args.memory.is_none();
-                FrameInput::open(args, plan, frame.number, keep)?
+                FrameInput::open(args, plan, frame, keep)?
             }
         };
         let opened = start.elapsed();
@@ -178,7 +179,9 @@ impl Job<'_> {
             meter.update(Progress { done, total: about.width * about.height });
         };
         let inputs = Arc::clone(&input.inputs);
-        let scene = plan.scene.as_ref().map(|seen| format!("The {seen} has {}.", input.names));
+        let name = plan.scene.as_ref().map(|seen| seen.to_string());
+        let name = name.or(args.solid.iso.as_ref().map(|_| "solid".into()));
+        let scene = name.map(|name| format!("The {name} has {}.", input.names));
         let missing = move |name: &str| match &scene {
             Some(scene) if !name.contains('.') => vec![scene.clone()],
             _ => inputs.missing(name),
@@ -186,11 +189,12 @@ impl Job<'_> {
         let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
         // What is set may depend on the frame.
         let (set, spaces) = plan::values(args, frame)?;
+        let set = plan.own(set, input.solid());
         let threads = args.threads.unwrap_or_else(rayon::current_num_threads);
         let (textures, values) = memory::shares(args, threads);
         let options = RunOptions {
             samples: args.sampling(),
-            resample: plan.scene.is_some().then_some(&resample as &Resample<'_>),
+            resample: input.is_seen().then_some(&resample as &Resample<'_>),
             frame,
             set,
             pixelsize: args.images.pixelsize,
@@ -253,8 +257,12 @@ impl Job<'_> {
                 warn(&format!("{n} pixel{s} {hold} NaN or infinity"));
             }
         }
+        if let Some(told) = input.told().filter(|_| !args.quiet) {
+            warn_unseen(&told);
+        }
         if args.stats {
             stats.print();
+            input.told().iter().for_each(tell);
         }
         if let Some(profile) = &outcome.profile {
             profile::print(profile, plan.program.sources(), stats.pixels);

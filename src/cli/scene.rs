@@ -1,17 +1,22 @@
-//! Built-in scenes: `pse scene`, and the options that choose a view of one.
+//! Built-in scenes and solids: `pse scene`, and the options that choose a view of one.
 
 use super::failure::{Failure, print, warn};
 use super::frames;
+use super::input::Finder;
 use super::interrupt;
 use super::model::{self, Up};
 use super::output;
 use super::progress::{Meter, Style};
 use super::region::bands;
+use super::run::set;
+use super::solid::{SolidArgs, tell, warn_unseen};
 use crate::image::{WriteOptions, Writer};
-use crate::program::Progress;
+use crate::mesh;
+use crate::program::{Limits, Progress};
 use crate::scene::{self, Options, Renderer, parse_point, parse_size};
 use clap::Args;
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
@@ -79,24 +84,29 @@ fn point(text: &str) -> Result<Point, String> {
 }
 
 impl ViewArgs {
-    /// Is anything given that only a scene has?
+    /// Is anything given that only a scene or a solid has?
     pub fn is_given(&self) -> bool {
         let ViewArgs { size, eye, look_at, fov, scale, mesh: _, up: _ } = self;
         size.is_some() || eye.is_some() || look_at.is_some() || fov.is_some() || scale.is_some()
     }
 
-    /// What is seen in this view, in a frame.
-    pub fn renderer(&self, seen: &Seen, frame: Option<i64>, quiet: bool) -> Result<Renderer, Failure> {
+    /// The view, as scenes and solids take it.
+    pub fn options(&self) -> Options {
         let default = Options::default();
         let [width, height] = self.size.map_or([default.width, default.height], |s| s.0);
-        let options = Options {
+        Options {
             width,
             height,
             eye: self.eye.map(|p| p.0),
             look_at: self.look_at.map(|p| p.0),
             fov: self.fov,
             scale: self.scale.unwrap_or(default.scale),
-        };
+        }
+    }
+
+    /// What is seen in this view, in a frame.
+    pub fn renderer(&self, seen: &Seen, frame: Option<i64>, quiet: bool) -> Result<Renderer, Failure> {
+        let options = self.options();
         Ok(match seen {
             Seen::Scene(name) => Renderer::new(name, &options)?,
             Seen::Mesh(path) => {
@@ -131,15 +141,17 @@ impl fmt::Display for Seen {
 #[command(after_help = "Examples:\n  pse scene --list\n  pse scene vase -o vase.exr --size 480x640\n  \
                         pse scene floor -o floor.exr --eye 3,-8,5 --look-at 0,0,0.5 --fov 35\n  \
                         pse scene ocean -o - | pse run waves.pse -i - -o waves.png\n  \
-                        pse scene --mesh teapot.glb -o teapot.exr --eye 3,-8,4")]
+                        pse scene --mesh teapot.glb -o teapot.exr --eye 3,-8,4\n  \
+                        pse scene --iso coral.pse -o coral.exr --eye 2,-6,3\n  \
+                        pse scene --iso coral.pse -o coral.ply --resolution 256")]
 pub(super) struct SceneArgs {
-    /// The scene; without it, and without --mesh, the scenes are listed
-    #[arg(conflicts_with = "mesh")]
+    /// The scene; without it, and without --mesh and --iso, the scenes are listed
+    #[arg(conflicts_with_all = ["mesh", "iso"])]
     name: Option<String>,
     /// List the scenes
-    #[arg(long, conflicts_with_all = ["name", "mesh"])]
+    #[arg(long, conflicts_with_all = ["name", "mesh", "iso"])]
     list: bool,
-    /// The file to write, NAME.exr if not given; - is standard output
+    /// The file to write, NAME.exr if not given; - is standard output. Of a solid also a mesh, with y up: .obj, .ply or .glb
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Say nothing but errors
@@ -147,10 +159,38 @@ pub(super) struct SceneArgs {
     quiet: bool,
     #[command(flatten)]
     view: ViewArgs,
+    #[command(flatten)]
+    solid: SolidArgs,
+    #[command(flatten)]
+    making: MakingArgs,
+}
+
+/// How a solid is made.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Solid")]
+struct MakingArgs {
+    /// Cells of a mesh along the longest side of the box
+    #[arg(long, value_name = "N", requires = "iso", default_value_t = 128)]
+    resolution: usize,
+    /// Set a param of the solid's program to an expression: size=6
+    #[arg(long, value_name = "NAME=VALUE", requires = "iso")]
+    set: Vec<String>,
+    /// The number of the frame
+    #[arg(long, value_name = "N", requires = "iso", allow_negative_numbers = true, default_value_t = 0.0)]
+    frame: f32,
+    /// Look for files that the solid's program imports in this folder too
+    #[arg(long, value_name = "DIR", requires = "iso")]
+    path: Vec<PathBuf>,
+    /// Tell how the surface was found
+    #[arg(long, requires = "iso")]
+    stats: bool,
 }
 
 /// Writes a scene's or a mesh's G-buffer, or lists the scenes.
 pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
+    if let Some(file) = &args.solid.iso {
+        return solid(args, file);
+    }
     let (seen, name) = match (&args.name, &args.view.mesh) {
         (Some(name), _) => (Seen::Scene(name.clone()), name.clone()),
         (None, Some(mesh)) => {
@@ -170,12 +210,92 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     output::check(&path)?;
     let renderer = args.view.renderer(&seen, None, args.quiet)?;
     let [width, height] = renderer.size();
-    let mut writer = Writer::create(&path, height, &WriteOptions::default())?;
-    let meter = Meter::new(&name, Style::Bar, args.quiet, 1);
+    write(args, &name, &path, Finder::Scene(&renderer), bands(width, 0..height))?;
+    let surfaces = renderer.surfaces();
+    if surfaces.len() > 1 && !args.quiet {
+        let list: Vec<String> = (1..).zip(surfaces).map(|(i, name)| format!("{i} {name}")).collect();
+        warn(&format!("surface: {}", list.join(", ")));
+    }
+    Ok(())
+}
+
+/// Writes the G-buffer of a solid, or a mesh of it.
+fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
+    let SceneArgs { solid, view, making, .. } = args;
+    if view.mesh.is_some() {
+        return Err(
+            Failure::usage("--iso and --mesh are two surfaces for one").hint("Leave out one of them.")
+        );
+    }
+    let stem = file.file_stem().filter(|_| file.as_os_str() != "-");
+    let name = stem.map_or("solid".into(), |s| s.to_string_lossy().into_owned());
+    let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
+    let meshed = mesh::Format::of(&path).is_some();
+    match meshed {
+        true => {
+            mesh::Format::to_write(&path)?;
+            if solid.soft {
+                return Err(Failure::usage("what is soft has no surface for a mesh")
+                    .hint("Leave out --soft, or write an .exr file."));
+            }
+        }
+        false => {
+            output::check(&path)?;
+        }
+    }
+    let set = making.set.iter().map(|text| set(text, making.frame)).collect::<Result<_, _>>()?;
     interrupt::watch(true);
-    for rows in bands(width, 0..height) {
+    let found = solid.open(view, &making.path, Limits::default(), set, making.frame)?;
+    let Some(found) = found else { return Ok(()) };
+    if meshed {
+        let meter = Meter::new(&name, Style::Bar, args.quiet, 1);
+        let mut mesh = found.mesh(making.resolution, &|progress| meter.update(progress))?;
+        meter.frame();
+        if mesh.faces.is_empty() {
+            return Err(Failure::plain("there is no surface in the box")
+                .hint("See whether the density passes the --level within the --box."));
+        }
+        // As other programs, and --mesh, take it to be.
+        mesh.z_up_to_y_up();
+        mesh.write(&path)?;
+        if !args.quiet {
+            let (points, faces) = (mesh.points.len(), mesh.faces.len());
+            warn(&format!("wrote {} ({points} points, {faces} triangles)", output::shown(&path)));
+        }
+    } else {
+        let [width, height] = found.size();
+        // Enough rays to go on together, and few enough to tell how far all has come.
+        let rows =
+            (0..height).step_by(BAND.div_ceil(width)).map(|top| top..height.min(top + BAND.div_ceil(width)));
+        write(args, &name, &path, Finder::Solid(&found), rows)?;
+        if !args.quiet {
+            warn_unseen(&found.told());
+        }
+    }
+    if making.stats {
+        tell(&found.told());
+    }
+    Ok(())
+}
+
+/// Rays that go on together, about.
+const BAND: usize = 1 << 16;
+
+/// Writes what is seen, band after band.
+fn write(
+    args: &SceneArgs,
+    name: &str,
+    path: &Path,
+    seen: Finder<'_>,
+    bands: impl Iterator<Item = Range<usize>>,
+) -> Result<(), Failure> {
+    let [width, height] = seen.size();
+    let mut writer = Writer::create(path, height, &WriteOptions::default())?;
+    let meter = Meter::new(name, Style::Bar, args.quiet, 1);
+    interrupt::watch(true);
+    for rows in bands {
         let done = rows.end * width;
-        writer.rows(&renderer.rows(rows)?)?;
+        writer.rows(&seen.rows(rows)?)?;
         meter.update(Progress { done, total: width * height });
         if interrupt::CANCEL.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted);
@@ -184,12 +304,7 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     writer.finish()?;
     meter.frame();
     if !args.quiet {
-        warn(&format!("wrote {} ({width}x{height})", output::shown(&path)));
-        let surfaces = renderer.surfaces();
-        if surfaces.len() > 1 {
-            let list: Vec<String> = (1..).zip(surfaces).map(|(i, name)| format!("{i} {name}")).collect();
-            warn(&format!("surface: {}", list.join(", ")));
-        }
+        warn(&format!("wrote {} ({width}x{height})", output::shown(path)));
     }
     Ok(())
 }

@@ -7,6 +7,9 @@ use crate::diagnostic::{Diagnostic, Sources};
 use crate::syntax::{self, ast};
 use std::collections::BTreeSet;
 
+/// The code of the error that the program does not have the function.
+pub const NO_FUNCTION: &str = "entrance";
+
 /// A function of the program that is asked from outside, with what it is given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entrance {
@@ -35,7 +38,7 @@ impl Entrance {
             // What could not be read may have been it.
             if errors.is_empty() {
                 let written = self.written(given);
-                let error = Diagnostic::bare("name", format!("the program has no function `{written}`"));
+                let error = Diagnostic::bare(NO_FUNCTION, format!("the program has no function `{written}`"));
                 errors.push(
                     error.hint(format!("Write one: `function {written}`, and below it what it returns.")),
                 );

@@ -18,7 +18,7 @@ mod several;
 mod spaces;
 mod texture;
 
-pub use entry::Entrance;
+pub use entry::{Entrance, NO_FUNCTION};
 pub use import::{Files, Import, gather};
 pub use library::{Comment, Entry, entries as library_entries};
 pub use scope::assigned;

@@ -89,7 +89,7 @@ impl Camera {
     }
 
     /// The ray through a place of the picture; column and row count from the top left corner, pixel centres are at .5.
-    pub(super) fn ray(&self, column: f64, row: f64) -> Ray {
+    pub(crate) fn ray(&self, column: f64, row: f64) -> Ray {
         let x = (column - self.size[0] / 2.0) * self.step;
         let y = (self.size[1] / 2.0 - row) * self.step;
         Ray { origin: self.eye, direction: (self.forward + self.right * x + self.up * y).normalize() }

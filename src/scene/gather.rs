@@ -16,10 +16,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// The most pixels of a picture: 32768 by 32768. As a whole in memory that would be some 80 gigabytes of planes.
-pub(super) const MAX_PIXELS: usize = 1 << 30;
+pub(crate) const MAX_PIXELS: usize = 1 << 30;
 
 /// `depth` where nothing was hit, as Blender writes it.
-const NOTHING: f64 = 1e10;
+pub(crate) const NOTHING: f64 = 1e10;
 
 /// The variables, in their order, with the number of planes of each.
 const VARIABLES: [(&str, u32); 8] = [

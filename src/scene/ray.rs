@@ -7,7 +7,7 @@ pub(super) const FAR: f64 = 1e6;
 
 /// A half-line from the eye. Distances along it are world distances.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ray {
+pub(crate) struct Ray {
     /// Where it starts.
     pub origin: DVec3,
     /// Where it goes; of length 1.

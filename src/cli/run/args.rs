@@ -5,6 +5,7 @@ use crate::cli::frames::Frames;
 use crate::cli::input::ImageArgs;
 use crate::cli::progress::Style;
 use crate::cli::region::Region;
+use crate::cli::solid::SolidArgs;
 use crate::cli::source::ProgramArgs;
 use crate::cli::tiles::Tile;
 use crate::eval::TEXTURE_MEMORY;
@@ -21,6 +22,7 @@ Examples:
   pse run marble.pse --set veins=6 --set tint='[1 0.8 0.6]'
   pse run fire.pse -i fg.####.exr -i bg=sky.png -o fire.####.png --frames 1-24
   pse run fire.pse -o fire.####.png --frames 1-1000 --resume --keep-going
+  pse run coral.pse --iso coral.pse -o coral.png            a solid that a program tells of
   pse run marble.pse --tile 3/4x4 -o 'marble.{tile}.exr'    one of 16 tiles, for pse join
   pse run marble.pse --hash                                 a digest of the pixels, and no file
   pse run a.pse -i g.exr -o - | pse run b.pse -i - -o b.png
@@ -43,6 +45,8 @@ pub(in crate::cli) struct RunArgs {
 
     #[command(flatten)]
     pub images: ImageArgs,
+    #[command(flatten)]
+    pub solid: SolidArgs,
     /// Take PNG, JPEG and the like as plain numbers, and write them so: no sRGB curve either way
     #[arg(long, help_heading = "Input")]
     pub raw: bool,

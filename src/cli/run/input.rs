@@ -1,12 +1,14 @@
 //! What a frame runs on: rows of files or of a scene, as they are wanted, or all of them in memory.
 
+use super::plan::Frame;
 use super::{Plan, RunArgs};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Inputs, Reader};
 use crate::cli::region::{Region, bands};
+use crate::cli::solid::Found;
 use crate::eval::Places;
 use crate::image::{Image, Metadata, Variable};
-use crate::scene::Renderer;
+use crate::solid::{Isosurface, Told};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,7 +16,7 @@ use std::sync::Arc;
 /// A frame's input.
 pub(super) struct FrameInput {
     pub inputs: Arc<Inputs>,
-    scene: Option<Renderer>,
+    scene: Option<Found>,
     /// All of it in memory, if it is to be run several times.
     whole: Option<Image<'static>>,
     /// Size and windows.
@@ -38,11 +40,15 @@ pub(super) struct Band<'a> {
 
 impl FrameInput {
     /// Opens the files. They are read at once if they are `kept` for several runs, else band by band.
-    pub fn open(args: &RunArgs, plan: &Plan, frame: Option<i64>, kept: bool) -> Result<FrameInput, Failure> {
-        let inputs = Inputs::open(&args.images.input, &args.images.map, args.raw, frame)?;
-        let scene =
-            plan.scene.as_ref().map(|seen| args.images.view.renderer(seen, frame, args.quiet)).transpose()?;
-        let mut reader = inputs.reader(scene.as_ref(), &plan.wanted)?;
+    pub fn open(args: &RunArgs, plan: &Plan, frame: Frame, kept: bool) -> Result<FrameInput, Failure> {
+        let inputs = Inputs::open(&args.images.input, &args.images.map, args.raw, frame.number)?;
+        let view = &args.images.view;
+        let solid = plan.solid(args, frame.value)?.map(|solid| Found::Solid(solid.into()));
+        let scene = match &plan.scene {
+            Some(seen) => Some(Found::Scene(view.renderer(seen, frame.number, args.quiet)?.into())),
+            None => solid,
+        };
+        let mut reader = inputs.reader(scene.as_ref().map(Found::finder), &plan.wanted)?;
         let about = reader.about().clone();
         let own: Vec<&str> = reader.names().filter(|n| !n.contains('.')).collect();
         let names = own.join(", ");
@@ -70,13 +76,30 @@ impl FrameInput {
     pub fn resample(&self, image: &Image<'_>, places: &Places) -> Result<Image<'static>, String> {
         let Some(scene) = &self.scene else { return Err("there is no scene".into()) };
         let top = image.metadata.origin[1] as usize;
-        let rows = scene.rows_at(top..top + image.height, |pixel| places.offset(pixel));
-        let rows = rows.map_err(|error| error.to_string())?;
+        let rows = scene.rows_at(top..top + image.height, |pixel| places.offset(pixel))?;
         match rows.width == image.width {
             true => Ok(rows),
             // The rows hold all columns of it.
             false => Region::held(image).cut(&rows, 0).map_err(|_| "the region lies outside".into()),
         }
+    }
+
+    /// Does a sample have to be looked at anew?
+    pub fn is_seen(&self) -> bool {
+        self.scene.is_some()
+    }
+
+    /// The solid.
+    pub fn solid(&self) -> Option<&Isosurface<'static>> {
+        match &self.scene {
+            Some(Found::Solid(solid)) => Some(solid),
+            _ => None,
+        }
+    }
+
+    /// What is known of the work on a solid.
+    pub fn told(&self) -> Option<Told> {
+        self.solid().map(Isosurface::told)
     }
 
     /// The rows of each band, no more than so many if there is a limit.
@@ -110,7 +133,7 @@ impl FrameInput {
     pub fn reader<'a>(&'a self, plan: &Plan) -> Result<BandReader<'a>, Failure> {
         let reader = match &self.whole {
             Some(_) => None,
-            None => Some(self.inputs.reader(self.scene.as_ref(), &plan.wanted)?),
+            None => Some(self.inputs.reader(self.scene.as_ref().map(Found::finder), &plan.wanted)?),
         };
         Ok(BandReader { input: self, reader })
     }

@@ -12,6 +12,7 @@ use crate::image::{Format, Matrix4, same_file};
 use crate::lanes::Isa;
 use crate::program::{Program, RunOptions};
 use crate::shape::Shape;
+use crate::solid::Isosurface;
 use crate::syntax;
 use crate::value::PixelValue;
 use std::collections::HashSet;
@@ -129,8 +130,8 @@ impl Plan {
         Ok(Plan {
             wanted,
             around,
-            scene: scene(&args.images)?,
-            by_default: args.images.is_empty(),
+            scene: if args.solid.iso.is_some() { no_other(&args.images)? } else { scene(&args.images)? },
+            by_default: args.images.is_empty() && args.solid.iso.is_none(),
             name,
             program,
             vars,
@@ -139,6 +140,31 @@ impl Plan {
             isa,
             paths,
         })
+    }
+
+    /// The solid in a frame, if there is one.
+    pub(super) fn solid(&self, args: &RunArgs, frame: f32) -> Result<Option<Isosurface<'static>>, Failure> {
+        let (set, _) = values(args, frame)?;
+        let own =
+            |set| args.solid.open(&args.images.view, &args.program.path, args.limits.limits(), set, frame);
+        // What is set may be the solid's, or that of the program which paints it.
+        match own(Vec::new())? {
+            Some(solid) => {
+                let is_own = |(name, _): &(String, PixelValue)| has(solid.program(), name);
+                own(set.into_iter().filter(is_own).collect())
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// What is set, without what the solid alone has.
+    pub(super) fn own(
+        &self,
+        mut set: Vec<(String, PixelValue)>,
+        solid: Option<&Isosurface<'_>>,
+    ) -> Vec<(String, PixelValue)> {
+        set.retain(|(name, _)| has(&self.program, name) || !solid.is_some_and(|s| has(s.program(), name)));
+        set
     }
 
     /// The files of a frame, each of which can be written and is no input.
@@ -216,6 +242,24 @@ fn paths(args: &RunArgs, frames: usize) -> Vec<PathBuf> {
     // Tiles are joined, which pictures with whole numbers are too late for.
     let ending = if args.tile.is_some() { ".{tile}.exr" } else { ".png" };
     vec![format!("{stem}{frame}{ending}").into()]
+}
+
+/// Does the program know the name?
+fn has(program: &Program, name: &str) -> bool {
+    let program = program.resolved();
+    program.slot(name).is_some() || program.params.iter().any(|p| p.name == name)
+}
+
+/// Beside a solid there is no other input without a name.
+fn no_other(images: &ImageArgs) -> Result<Option<Seen>, Failure> {
+    let other = images.scene.is_some() || images.view.mesh.is_some();
+    match other || images.input.iter().any(|i| i.name.is_none()) {
+        true => {
+            let message = "--iso and a scene, a mesh or an image without a name are two inputs for one";
+            Err(Failure::usage(message).hint("Leave out one of them, or name the image: -i bg=FILE."))
+        }
+        false => Ok(None),
+    }
 }
 
 /// The scene or mesh to run on, if any.

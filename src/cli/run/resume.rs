@@ -48,9 +48,15 @@ impl Hashes {
                 (&plan.scene, &args.images.view, &args.images.map, args.raw),
                 (&plan.vars, &plan.shown, args.region, args.tile, args.half, args.bits),
                 (args.samples, args.filter, args.seed),
+                &args.solid,
             )
         );
         add(options.as_bytes());
+        if let Some(solid) = plan.solid(args, frame.value)? {
+            for source in solid.program().sources().iter() {
+                add(source.text.as_bytes());
+            }
+        }
         let named = |path: &str| frame.number.map_or_else(|| path.into(), |f| frames::fill(path, f));
         let inputs = args.images.input.iter().map(|i| (i.name.as_deref(), PathBuf::from(named(&i.path))));
         let textures = textures(&plan.program, frame.number);

@@ -1,0 +1,140 @@
+//! Solids on the command line: which, how it is looked at, and what is told of it.
+
+use super::failure::{Failure, warn};
+use super::input::Finder;
+use super::interrupt::CANCEL;
+use super::scene::ViewArgs;
+use super::source;
+use crate::host::Disk;
+use crate::image::Image;
+use crate::program::{Compiler, Limits, RunOptions};
+use crate::scene::Renderer;
+use crate::solid::{Isosurface, SolidError, SolidOptions, Told};
+use crate::value::PixelValue;
+use clap::Args;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// A solid that a program tells of.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Solid")]
+pub(super) struct SolidArgs {
+    /// A program with a function density(p): the surface where it passes the level
+    #[arg(long, value_name = "FILE")]
+    pub iso: Option<PathBuf>,
+    /// Inside the density is more than this, 0 if not given
+    #[arg(long, value_name = "DENSITY", requires = "iso", allow_hyphen_values = true)]
+    pub level: Option<f64>,
+    /// The box that the solid lies in, -1.5,-1.5,-1.5,1.5,1.5,1.5 if not given; what goes on beyond is cut off
+    #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", requires = "iso", value_parser = bounds, allow_hyphen_values = true)]
+    pub bounds: Option<Bounds>,
+    /// The density never changes by more than this in a unit of space; estimated if not given
+    #[arg(long, value_name = "SLOPE", requires = "iso")]
+    pub lipschitz: Option<f64>,
+    /// No surface: what is over the level dims the light along the ray, and gives off emission(p)
+    #[arg(long, requires = "iso")]
+    pub soft: bool,
+    /// The longest step through what is soft, a 256th of the box if not given
+    #[arg(long, value_name = "LENGTH", requires = "soft")]
+    pub step: Option<f64>,
+}
+
+/// The least and the greatest coordinates of a box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds([[f64; 3]; 2]);
+
+fn bounds(text: &str) -> Result<Bounds, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[a, b, c, d, e, f]) => Ok(Bounds([[a, b, c], [d, e, f]])),
+        _ => Err("give six numbers with commas between, for example -1,-1,-1,1,1,1".into()),
+    }
+}
+
+impl From<SolidError> for Failure {
+    fn from(error: SolidError) -> Failure {
+        match error {
+            SolidError::Program(error) => (*error).into(),
+            SolidError::View(error) => (*error).into(),
+            SolidError::Solid(diagnostic) => Failure::Plain(diagnostic),
+        }
+    }
+}
+
+impl SolidArgs {
+    /// The solid in this view, in a frame. Of what is set, only what the program has is taken if others may have it.
+    pub fn open(
+        &self,
+        view: &ViewArgs,
+        path: &[PathBuf],
+        limits: Limits,
+        set: Vec<(String, PixelValue)>,
+        frame: f32,
+    ) -> Result<Option<Isosurface<'static>>, Failure> {
+        let Some(file) = &self.iso else { return Ok(None) };
+        let (name, text) = source::read(file)?;
+        let host = Disk { path: path.to_vec() };
+        let default = SolidOptions::default();
+        let options = SolidOptions {
+            view: view.options(),
+            bounds: self.bounds.map_or(default.bounds, |b| b.0),
+            level: self.level.unwrap_or(default.level),
+            lipschitz: self.lipschitz,
+            soft: self.soft,
+            step: self.step,
+        };
+        let run = RunOptions { frame, set, limits, cancel: Some(&CANCEL), ..RunOptions::default() };
+        Ok(Some(Isosurface::new(&Compiler::new().host(&host), &name, &text, &options, &run)?))
+    }
+}
+
+/// What rows are rendered from.
+pub(super) enum Found {
+    Scene(Box<Renderer>),
+    Solid(Box<Isosurface<'static>>),
+}
+
+impl Found {
+    /// Borrowed.
+    pub fn finder(&self) -> Finder<'_> {
+        match self {
+            Found::Scene(scene) => Finder::Scene(scene),
+            Found::Solid(solid) => Finder::Solid(solid),
+        }
+    }
+
+    /// Some rows, seen beside the middle of each pixel.
+    pub fn rows_at(
+        &self,
+        rows: Range<usize>,
+        offset: impl Fn([i32; 2]) -> [f32; 2] + Sync,
+    ) -> Result<Image<'static>, String> {
+        match self {
+            Found::Scene(scene) => scene.rows_at(rows, offset).map_err(|e| e.to_string()),
+            Found::Solid(solid) => solid.rows_at(rows, offset).map_err(|e| e.to_string()),
+        }
+    }
+}
+
+/// Says what the search for the surface was like.
+pub(super) fn tell(told: &Told) {
+    warn(&format!("density asked at     {} points", told.asked));
+    if let Some([low, high]) = told.slopes {
+        warn(&format!("slope at most        {low:.4} to {high:.4}"));
+        warn(&format!("steps of a ray       {} at most", told.steps));
+        warn(&format!("slope contradicted   {} times", told.contradictions));
+    }
+    if told.seen > 0 {
+        warn(&format!("seen at              {} pixels", told.seen));
+    }
+}
+
+/// Says that there is nothing in the picture.
+pub(super) fn warn_unseen(told: &Told) {
+    if told.seen == 0 {
+        warn(
+            "nothing of the solid is seen: look at it from elsewhere, or see whether its density passes the --level within the --box",
+        );
+    }
+}
