@@ -1,5 +1,7 @@
 //! The embedding interface: compile a program once, run it on any number of images.
 
+mod ask;
+
 use crate::diagnostic::{Diagnostic, Sources, Style};
 use crate::eval::{self, HostFunction};
 use crate::host::{Host, NoFiles};

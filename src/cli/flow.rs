@@ -7,11 +7,11 @@ use super::interrupt::{self, CANCEL};
 use super::output;
 use super::progress::{Meter, Style};
 use super::run::{Frame, LimitArgs, frame, positive, scene, set, space};
-use super::scene::{Box3, box3};
+use super::solid::{Bounds, bounds};
 use super::source::ProgramArgs;
 use crate::flow::{self, Flow, Pen, Projection, Trajectories};
 use crate::host::Disk;
-use crate::image::{Format, Image, NewFile, WriteOptions, write};
+use crate::image::{Format, Image, NewFile, WriteOptions, same_file, write};
 use crate::program::RunOptions;
 use clap::Args;
 use std::io::{BufWriter, Write};
@@ -43,9 +43,9 @@ pub(super) struct FlowArgs {
     #[arg(long, value_name = "NXxNYxNZ", value_parser = cells, help_heading = "Seeds", conflicts_with = "ball")]
     grid: Option<Cells>,
     /// The box of the grid: two corners
-    #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = box3, help_heading = "Seeds", requires = "grid",
+    #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = bounds, help_heading = "Seeds", requires = "grid",
           allow_hyphen_values = true, default_value = "-1,-1,-1,1,1,1")]
-    bounds: Box3,
+    bounds: Bounds,
     /// So many seeds spread over a ball around the origin; 2000 if nothing else is given
     #[arg(long, value_name = "N", help_heading = "Seeds")]
     ball: Option<usize>,
@@ -127,48 +127,113 @@ struct Start {
 pub(super) fn flow(args: &FlowArgs) -> Result<(), Failure> {
     interrupt::watch(true);
     let outputs = outputs(args)?;
+    check(args)?;
     let (name, text) = args.program.read()?;
     let flow = Flow::compile(&Disk { path: args.program.path.clone() }, &name, &text)?;
-    if !(args.step.is_finite() && args.step != 0.0) {
-        return Err(Failure::usage(format!("a step of {} leads nowhere", args.step)));
-    }
     let frames = frames(args)?;
     let meter = Meter::new(&name, args.progress, args.quiet, frames.len());
     for (i, &frame) in frames.iter().enumerate() {
-        let begun = Instant::now();
-        let start = start(args, frame)?;
-        let tell = |progress| meter.update(progress);
-        let options = RunOptions {
-            frame: frame.value,
-            set: args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?,
-            spaces: args
-                .images
-                .space
-                .iter()
-                .map(|text| space(text, frame.value))
-                .collect::<Result<_, _>>()?,
-            pixelsize: Some(args.images.pixelsize.unwrap_or_else(|| extent(&start.seeds).1 as f32 / 512.0)),
-            limits: args.limits.limits(),
-            texture_memory: Some(args.limits.textures()),
-            cancel: Some(&CANCEL),
-            progress: Some(&tell),
-            ..RunOptions::default()
-        };
-        let lines = flow.trajectories(&start.seeds, args.step, args.steps, &options)?;
-        let colors = flow.colors(&lines, &options)?;
-        for path in &outputs {
-            let path = frame
-                .number
-                .map_or_else(|| path.clone(), |number| frames::fill(&path.to_string_lossy(), number).into());
-            save(args, &path, &lines, colors.as_deref(), &start)?;
-            if !args.quiet {
-                warn(&format!("wrote {} ({} lines)", output::shown(&path), lines.lines()));
-            }
+        if let Err(failure) = draw(args, &flow, &outputs, frame, &meter, args.stats && i == 0) {
+            meter.fail(&failure.message());
+            return Err(failure);
         }
         meter.frame();
-        if args.stats && i == 0 {
-            told(&flow, &lines, &options, begun)?;
+    }
+    Ok(())
+}
+
+/// One frame.
+fn draw(
+    args: &FlowArgs,
+    flow: &Flow,
+    outputs: &[PathBuf],
+    frame: Frame,
+    meter: &Meter,
+    stats: bool,
+) -> Result<(), Failure> {
+    let begun = Instant::now();
+    let named = |path: &PathBuf| match frame.number {
+        Some(number) => frames::fill(&path.to_string_lossy(), number).into(),
+        None => path.clone(),
+    };
+    let targets: Vec<PathBuf> = outputs.iter().map(named).collect();
+    let files = flow.files(frame.value);
+    targets.iter().try_for_each(|path| check_target(args, path, frame, &files))?;
+    let start = start(args, frame)?;
+    let tell = |progress| meter.update(progress);
+    let options = RunOptions {
+        frame: frame.value,
+        set: args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?,
+        spaces: args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?,
+        pixelsize: Some(args.images.pixelsize.unwrap_or_else(|| extent(&start.seeds).1 as f32 / 512.0)),
+        limits: args.limits.limits(),
+        texture_memory: Some(args.limits.textures()),
+        cancel: Some(&CANCEL),
+        progress: Some(&tell),
+        ..RunOptions::default()
+    };
+    let lines = flow.trajectories(&start.seeds, args.step, args.steps, &options)?;
+    let colors = flow.colors(&lines, &options)?;
+    for path in &targets {
+        save(args, path, &lines, colors.as_deref(), &start)?;
+        if !args.quiet {
+            warn(&format!("wrote {} ({} lines)", output::shown(path), lines.lines()));
         }
+    }
+    if stats { told(flow, &lines, &options, begun) } else { Ok(()) }
+}
+
+/// Numbers that lead nowhere are told before the work.
+fn check(args: &FlowArgs) -> Result<(), Failure> {
+    let refuse = |what: &str, number: f64, hint: &str| {
+        Err(Failure::usage(format!("{what} of {number} leads nowhere")).hint(hint.to_string()))
+    };
+    if !(args.step.is_finite() && args.step != 0.0) {
+        return refuse("a step", args.step, "Give a time like 0.02; negative goes back.");
+    }
+    if !(args.width > 0.0 && args.width <= 100.0) {
+        return refuse("a width", args.width, "Give pixels: from 0.1 to 100, say.");
+    }
+    if !(args.radius > 0.0 && args.radius <= 1e6) {
+        return refuse("a radius", args.radius, "Give one of more than 0, and at most 1000000.");
+    }
+    if args.images.pixelsize.is_some_and(|size| size.is_nan() || size <= 0.0) {
+        return Err(Failure::usage("a --pixelsize is more than 0"));
+    }
+    let cells = args.grid.map(|grid| grid.0.iter().fold(1usize, |n, &k| n.saturating_mul(k)));
+    let seeds = cells.or(args.ball).unwrap_or(1);
+    if seeds == 0 {
+        return Err(Failure::usage("no seeds, no lines").hint("Give more than 0: --ball 2000."));
+    }
+    if seeds.saturating_mul(args.steps + 1) > flow::MAX_POINTS {
+        let message = format!("{seeds} lines of {} steps are too many points", args.steps);
+        return Err(Failure::usage(message).hint(format!("There may be {} in all.", flow::MAX_POINTS)));
+    }
+    let [width, height] = args.images.view.size.map_or([1, 1], |s| s.0);
+    if width.checked_mul(height).is_none_or(|n| n == 0 || n > MAX_PIXELS) {
+        let message = format!("a picture of {width}x{height} cannot be drawn");
+        return Err(Failure::usage(message).hint(format!(
+            "Lines are drawn in memory, so there may be {MAX_PIXELS} pixels, and must be one."
+        )));
+    }
+    let piped = args.output.iter().filter(|path| path.as_os_str() == "-").count();
+    if piped > 1 || piped == 1 && args.progress == Style::Openjd {
+        return Err(Failure::usage("two things cannot both go to standard output"));
+    }
+    Ok(())
+}
+
+/// The most pixels of a picture: some 4 gigabytes of planes.
+const MAX_PIXELS: usize = 1 << 26;
+
+/// An output takes the place of no input.
+fn check_target(args: &FlowArgs, path: &Path, frame: Frame, textures: &[PathBuf]) -> Result<(), Failure> {
+    let filled =
+        |name: &str| frame.number.map_or_else(|| name.into(), |f| PathBuf::from(frames::fill(name, f)));
+    let inputs = args.images.paths().map(filled).chain(args.program.program.clone());
+    if let Some(input) = inputs.chain(textures.iter().cloned()).find(|input| same_file(input, path)) {
+        let message = format!("the output `{}` is the input `{}`", path.display(), input.display());
+        return Err(Failure::plain(message).hint("Write to another file."));
     }
     Ok(())
 }
@@ -213,17 +278,10 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
     let view = &args.images.view;
     let seeds = match (args.grid, args.ball) {
         (Some(Cells(cells)), _) => {
-            let count = cells.iter().try_fold(1usize, |n, &k| n.checked_mul(k));
-            if count.is_none_or(|n| n > flow::MAX_POINTS) {
-                return Err(Failure::usage(format!(
-                    "a grid of {}x{}x{} is too large",
-                    cells[0], cells[1], cells[2]
-                )));
-            }
-            let Box3 { low, high } = args.bounds;
+            let Bounds([low, high]) = args.bounds;
             Some(flow::grid(cells, low, high))
         }
-        (None, Some(count)) => Some(flow::ball(count.min(flow::MAX_POINTS + 1), args.radius)),
+        (None, Some(count)) => Some(flow::ball(count, args.radius)),
         (None, None) => None,
     };
     let sees = !args.images.is_empty();
@@ -254,7 +312,13 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
     if seeds.is_empty() {
         return Err(Failure::plain("no surface is seen that lines could grow from"));
     }
-    let projection = Projection::of(&image.metadata, image.resolution());
+    let screen =
+        args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
+    let screen = screen.iter().rev().find(|(name, _)| name == "screen");
+    let projection = match screen {
+        Some((_, matrix)) => Projection::new(matrix, image.resolution()),
+        None => Projection::of(&image),
+    };
     Ok(Start { seeds, projection, image: Some(image) })
 }
 
@@ -268,7 +332,7 @@ fn extent(points: &[[f32; 3]]) -> ([f64; 3], f64) {
         }
     }
     let middle = [0, 1, 2].map(|i| (low[i] + high[i]) / 2.0);
-    let square: f64 = (0..3).map(|i| (high[i] - middle[i]).powi(2)).sum();
+    let square: f64 = (0..3).map(|i| (high[i] - middle[i]) * (high[i] - middle[i])).sum();
     (middle, square.sqrt())
 }
 
@@ -289,10 +353,10 @@ fn save(
         return Ok(file.finish()?);
     }
     let Some(projection) = &start.projection else {
-        let failure = Failure::plain("the input does not tell where its camera is");
-        return Err(failure.hint(
-            "An EXR file tells it by the attributes worldToCamera and worldToNDC. Lines can be written as points: -o lines.ply.",
-        ));
+        let failure = Failure::plain("it is not known where the camera of the input is");
+        return Err(failure
+            .hint("An EXR file tells it by the attribute worldToNDC. Without that it is found from `point`, but only where the points are not all of one plane.")
+            .hint("Give the matrix from the world to a screen of 0 to 1: --space screen='…'. Or write points: -o lines.ply."));
     };
     let pen = Pen { width: args.width };
     let mut image = flow::draw(lines, colors, projection, &pen, start.image.as_ref());

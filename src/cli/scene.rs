@@ -55,26 +55,6 @@ pub(super) struct Size(pub [usize; 2]);
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point(pub [f64; 3]);
 
-/// A box with sides along the axes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Box3 {
-    /// The least coordinates.
-    pub low: [f64; 3],
-    /// The greatest.
-    pub high: [f64; 3],
-}
-
-/// A box by two of its corners.
-pub(super) fn box3(text: &str) -> Result<Box3, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|t| t.trim().parse().ok()).collect();
-    let wanted = text.split(',').count() == 6 && numbers.iter().all(|x: &f64| x.is_finite());
-    let corners = <[f64; 6]>::try_from(numbers).ok().filter(|_| wanted);
-    let [a, b, c, d, e, f] = corners.ok_or("a box is two corners: -1,-1,-1,1,1,1")?;
-    let (one, other) = ([a, b, c], [d, e, f]);
-    let pick = |of: fn(f64, f64) -> f64| [0, 1, 2].map(|i| of(one[i], other[i]));
-    Ok(Box3 { low: pick(f64::min), high: pick(f64::max) })
-}
-
 fn size(text: &str) -> Result<Size, String> {
     parse_size(text).map(Size).map_err(|e| e.hint())
 }

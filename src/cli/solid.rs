@@ -41,9 +41,9 @@ pub(super) struct SolidArgs {
 
 /// The least and the greatest coordinates of a box.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds([[f64; 3]; 2]);
+pub(super) struct Bounds(pub [[f64; 3]; 2]);
 
-fn bounds(text: &str) -> Result<Bounds, String> {
+pub(super) fn bounds(text: &str) -> Result<Bounds, String> {
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
     match numbers.as_deref() {

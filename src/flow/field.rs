@@ -1,8 +1,7 @@
 //! A function of a program, asked at points of space.
 
-use crate::diagnostic::Diagnostic;
 use crate::host::Host;
-use crate::image::{Image, Variable};
+use crate::image::Variable;
 use crate::program::{Compiler, Error, Program, RunOptions};
 use crate::shape::Shape;
 use std::borrow::Cow;
@@ -38,28 +37,12 @@ impl Field {
         arguments: Vec<Variable<'_>>,
         options: &RunOptions<'_>,
     ) -> Result<Vec<Vec<f32>>, Error> {
-        let count = arguments.first().and_then(|v| v.planes.first()).map_or(0, |p| p.len());
-        let image = Image { width: count, height: 1, variables: arguments, ..Image::default() };
-        let options = RunOptions {
-            outputs: Some(vec![self.name.clone()]),
-            samples: None,
-            progress: None,
-            ..options.clone()
-        };
-        let mut report = self.program.run(&image, &options)?;
-        let Some(value) = report.image.variables.pop() else { return Ok(Vec::new()) };
-        Ok(value.planes.into_iter().map(Cow::into_owned).collect())
+        self.program.ask(&self.name, arguments, options)
     }
 
     /// The error of a value that cannot be used, told at the function.
     pub fn refuse(&self, message: String, hint: &str) -> Error {
-        let function = self.program.resolved().functions.iter().find(|f| f.name == self.name);
-        let diagnostic = match function {
-            Some(function) => Diagnostic::error("value", message, function.span),
-            None => Diagnostic::bare("value", message),
-        };
-        let diagnostics = vec![diagnostic.hint(hint)];
-        Error { diagnostics, sources: self.program.sources().clone(), cancelled: false }
+        self.program.refuse(&self.name, message, hint)
     }
 
     /// What is wrong if its value is no vector of 3.

@@ -24,6 +24,7 @@ mod draw;
 mod field;
 mod points;
 mod projection;
+mod resection;
 mod seeds;
 mod trajectories;
 
@@ -101,6 +102,12 @@ impl Flow {
         options: &RunOptions<'_>,
     ) -> Result<Option<Vec<[f32; 4]>>, Error> {
         self.color.as_ref().map(|color| trajectories::colors(color, trajectories, options)).transpose()
+    }
+
+    /// The files that its program is made of in a frame: the program itself, imports, images that it looks up.
+    pub fn files(&self, frame: f32) -> Vec<std::path::PathBuf> {
+        let color = self.color.iter().flat_map(|color| color.program().files(frame));
+        self.velocity.program().files(frame).into_iter().chain(color).collect()
     }
 
     /// How much the velocity gathers and spreads at some points, by differences over twice `distance`.

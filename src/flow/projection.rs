@@ -1,35 +1,45 @@
 //! From space to the picture.
 
-use crate::image::{Matrix4, Metadata};
+use super::resection;
+use crate::image::{Image, Matrix4, Metadata};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, DVec4};
 
-/// A camera, as an image's header tells it: where a point is seen, and how far away.
+/// A camera: where a point is seen in a picture, and how far away.
 #[derive(Clone, Debug)]
 pub struct Projection {
-    camera: DMat4,
-    screen: DMat4,
+    /// Column and row, each times the last; and what they are times, the depth along the view axis.
+    rows: [DVec4; 3],
     /// Columns and rows of the whole picture.
     pub size: [usize; 2],
 }
 
-fn matrix(m: &Matrix4) -> DMat4 {
-    let rows = m.map(|row| row.map(f64::from));
-    DMat4::from_cols_array_2d(&rows).transpose()
-}
-
 impl Projection {
-    /// From the matrices from the world to the camera and to the screen.
-    pub fn new(camera: &Matrix4, screen: &Matrix4, size: [usize; 2]) -> Projection {
-        Projection { camera: matrix(camera), screen: matrix(screen), size }
+    /// From the matrix from the world to a screen that goes from 0 to 1, x to the right and y up, as those of built-in
+    /// scenes do. `None` if it is none of a perspective camera.
+    pub fn new(screen: &Matrix4, size: [usize; 2]) -> Option<Projection> {
+        let [x, y, _, w] = screen.map(|row| DVec4::from_array(row.map(f64::from)));
+        let [width, height] = size.map(|n| n as f64);
+        Projection::of_rows([x * width, (w - y) * height, w], size)
     }
 
-    /// As the attributes `worldToCamera` and `worldToNDC` tell it, with the conventions of built-in scenes (the screen goes
-    /// from 0 to 1, y from the bottom). `None` without these.
-    pub fn of(metadata: &Metadata, size: [usize; 2]) -> Option<Projection> {
-        let matrix = |name: &str| metadata.attributes.matrix(name);
-        Some(Projection::new(&matrix("worldToCamera")?, &matrix("worldToNDC")?, size))
+    /// From the rows of the matrix from a point to column and row, times a factor that is the depth but for its scale.
+    pub(super) fn of_rows(rows: [DVec4; 3], size: [usize; 2]) -> Option<Projection> {
+        let scale = rows[2].truncate().length();
+        let rows = rows.map(|row| row / scale);
+        let lens = DMat3::from_cols(rows[0].truncate(), rows[1].truncate(), rows[2].truncate());
+        let known = rows.iter().all(|row| row.is_finite()) && lens.determinant() != 0.0;
+        known.then_some(Projection { rows, size })
+    }
+
+    /// As the header's attribute `worldToNDC` tells it; or else found from the points of the image itself, if these
+    /// say where each pixel looks.
+    pub fn of(image: &Image<'_>) -> Option<Projection> {
+        let written = image.metadata.attributes.matrix("worldToNDC");
+        written
+            .and_then(|screen| Projection::new(&screen, image.resolution()))
+            .or_else(|| resection::find(image))
     }
 
     /// A camera at `eye` that has `look_at` in the middle of the picture and z upwards, and the vertical angle `fov` in degrees.
@@ -43,35 +53,41 @@ impl Projection {
         size: [usize; 2],
     ) -> Result<Projection, SceneError> {
         let camera = Camera::new(eye.into(), look_at.into(), Some(fov), [1.0; 2], size)?;
-        let [camera, screen] = camera.spaces(1.0);
-        Ok(Projection::new(&camera, &screen, size))
+        let [_, screen] = camera.spaces(1.0);
+        Projection::new(&screen, size).ok_or(SceneError::BadFov(fov))
     }
 
-    /// Writes the camera into an image's header, as [`Projection::of`] reads it.
+    /// Writes the camera into an image's header, for programs that look for `worldToCamera` and `worldToNDC`.
     pub fn note(&self, metadata: &mut Metadata) {
-        let rows = |m: &DMat4| m.transpose().to_cols_array_2d().map(|row| row.map(|x| x as f32));
-        metadata.attributes.set_matrix("worldToCamera", &rows(&self.camera));
-        metadata.attributes.set_matrix("worldToNDC", &rows(&self.screen));
+        let [width, height] = self.size.map(|n| n as f64);
+        let [column, row, depth] = self.rows;
+        let screen = [column / width, depth - row / height, DVec4::W, depth];
+        // The camera looks along -z; which way its x goes is that of the columns, across the view.
+        let forward = depth.truncate();
+        let right = (column.truncate() - forward * column.truncate().dot(forward)).normalize_or_zero();
+        let eye = self.eye();
+        let axis = |a: DVec3| a.extend(-a.dot(eye));
+        let camera = [axis(right), axis(right.cross(forward)), axis(-forward), DVec4::W];
+        let numbers = |rows: [DVec4; 4]| rows.map(|row| row.to_array().map(|x| x as f32));
+        metadata.attributes.set_matrix("worldToCamera", &numbers(camera));
+        metadata.attributes.set_matrix("worldToNDC", &numbers(screen));
     }
 
     /// The depth along the view axis, which is negative behind the eye.
     pub fn depth(&self, point: DVec3) -> f64 {
-        // Renderers look along -z or along +z; what a point before the eye divides by tells which.
-        let across = (self.screen * point.extend(1.0)).w;
-        let along = (self.camera * point.extend(1.0)).z.abs();
-        if across > 0.0 { along } else { -along }
+        self.rows[2].dot(point.extend(1.0))
     }
 
-    /// Where the eye is.
+    /// Where the eye is: the point that is seen nowhere.
     pub fn eye(&self) -> DVec3 {
-        let inverse = self.camera.inverse();
-        inverse.w_axis.truncate() / inverse.w_axis.w
+        let [a, b, c] = self.rows;
+        let lens = DMat3::from_cols(a.truncate(), b.truncate(), c.truncate()).transpose();
+        lens.inverse() * -DVec3::new(a.w, b.w, c.w)
     }
 
     /// Column and row, from the top left corner of the picture; only for points before the eye.
     pub fn place(&self, point: DVec3) -> DVec2 {
-        let seen = self.screen * point.extend(1.0);
-        let [width, height] = self.size.map(|n| n as f64);
-        DVec2::new(seen.x / seen.w * width, (1.0 - seen.y / seen.w) * height)
+        let [column, row, depth] = self.rows.map(|row| row.dot(point.extend(1.0)));
+        DVec2::new(column, row) / depth
     }
 }

@@ -1,6 +1,7 @@
 //! What a block touches: which variables it reads and assigns, whether it can be left halfway, and how much work it
 //! is. By that the evaluator decides whether to gather the active lanes of a batch before it runs the block.
 
+use super::texture;
 use super::tree::*;
 use crate::builtin::{Kernel, ParamKind};
 use std::collections::BTreeSet;
@@ -19,7 +20,8 @@ pub(super) fn mark(program: &mut Resolved) -> Vec<Seen> {
     let reads: Vec<Vec<u32>> = program.functions.iter().map(|f| f.reads.iter().copied().collect()).collect();
     let count = program.functions.len();
     let prints = program.functions.iter().map(|f| f.prints).collect();
-    let mut marker = Marker { reads, prints, work: vec![UNKNOWN; count], shadows: vec![false; count] };
+    let no = vec![false; count];
+    let mut marker = Marker { reads, prints, work: vec![UNKNOWN; count], shadows: no.clone(), derives: no };
     // At least twice, so that most functions are known when a call of them is weighed.
     let mut passes = 0;
     let mut grew = true;
@@ -31,8 +33,9 @@ pub(super) fn mark(program: &mut Resolved) -> Vec<Seen> {
             marker.block(&mut body, &mut seen);
             program.functions[i].body = body;
             marker.work[i] = seen.work;
-            grew |= seen.shadows && !marker.shadows[i];
+            grew |= seen.shadows && !marker.shadows[i] || seen.derives && !marker.derives[i];
             marker.shadows[i] |= seen.shadows;
+            marker.derives[i] |= seen.derives;
         }
     }
     let seen: Vec<Seen> = program
@@ -90,6 +93,8 @@ struct Marker {
     work: Vec<u32>,
     /// Whether a call of each looks at shadows.
     shadows: Vec<bool>,
+    /// Whether a call of each cannot do without them.
+    derives: Vec<bool>,
 }
 
 /// What has been seen of a block so far.
@@ -102,6 +107,8 @@ pub(super) struct Seen {
     returns: bool,
     /// Derivatives, or look-ups that may take their width from them.
     pub shadows: bool,
+    /// Derivatives, or look-ups that do take their width from them.
+    pub derives: bool,
     prints: bool,
     work: u32,
 }
@@ -130,6 +137,7 @@ impl Seen {
         self.breaks |= part.breaks;
         self.returns |= part.returns;
         self.shadows |= part.shadows;
+        self.derives |= part.derives;
         self.prints |= part.prints;
         self.add(part.work.saturating_mul(times));
     }
@@ -216,12 +224,15 @@ impl Marker {
             ExprKind::Call(f, _) => {
                 self.reads[*f as usize].iter().for_each(|&i| seen.read(Place::Global(i)));
                 seen.shadows |= self.shadows[*f as usize];
+                seen.derives |= self.derives[*f as usize];
                 seen.prints |= self.prints[*f as usize];
                 seen.add(self.work[*f as usize]);
             }
-            ExprKind::Builtin(builtin, _) => {
+            ExprKind::Builtin(builtin, args) => {
                 let looks_up = builtin.params.iter().any(|p| p.kind == ParamKind::Text);
-                seen.shadows |= looks_up || matches!(builtin.kernel, Kernel::Shadowed(_));
+                let shadowed = matches!(builtin.kernel, Kernel::Shadowed(_));
+                seen.shadows |= looks_up || shadowed;
+                seen.derives |= shadowed || looks_up && texture::takes_pixels_width(builtin, args);
                 seen.add(builtin.work());
             }
             ExprKind::Host(..) => seen.add(UNKNOWN),

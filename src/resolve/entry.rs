@@ -65,7 +65,7 @@ pub(super) fn prune(program: &mut Resolved, entry: &Entrance, seen: &[Seen]) -> 
     let part = || seen.iter().zip(&needed).filter(|(_, needed)| **needed).map(|(seen, _)| seen);
     let reads: BTreeSet<Place> = part().flat_map(|seen| &seen.reads).copied().collect();
     let writes: BTreeSet<Place> = part().flat_map(|seen| &seen.writes).copied().collect();
-    let shadows = part().any(|seen| seen.shadows);
+    let derives = part().any(|seen| seen.derives);
     for (slot, global) in program.globals.iter_mut().enumerate() {
         let place = Place::Global(slot as u32);
         if !reads.contains(&place) && global.framed.is_none() {
@@ -80,7 +80,7 @@ pub(super) fn prune(program: &mut Resolved, entry: &Entrance, seen: &[Seen]) -> 
     program.by_normal = None;
     program.derivatives = false;
     program.shadowed = Vec::new();
-    shadows.then(|| {
+    derives.then(|| {
         let message = format!("`{}()` looks at neighbouring pixels", entry.function);
         let hint = "It is asked at points that have none: leave out derivatives, and give look-ups in images a width.";
         Diagnostic::bare("derivative", message).hint(hint)

@@ -13,6 +13,25 @@ pub(crate) fn unreadable(error: ImageError, span: Span) -> Diagnostic {
     error.hints.into_iter().fold(Diagnostic::error("texture", error.message, span), Diagnostic::hint)
 }
 
+fn is_empty(e: &Expr) -> bool {
+    matches!(&e.kind, ExprKind::Vector(elements) if elements.is_empty())
+}
+
+/// Does the look-up in an image take the mean over the width of the pixel, because none is given?
+pub(super) fn takes_pixels_width(builtin: &Builtin, args: &[Expr]) -> bool {
+    let number = |i: usize| match args[i].kind {
+        ExprKind::Number(x) => x as usize,
+        _ => 0,
+    };
+    let width = Asked::of(builtin, number).and_then(|asked| asked.width);
+    let given = |e: &Expr| match &e.kind {
+        // What is the same at all pixels has been wrapped already, when this is asked again.
+        ExprKind::Kept(_, inner, _) => !is_empty(inner),
+        _ => !is_empty(e),
+    };
+    width.is_some_and(|i| !given(&args[i]))
+}
+
 impl Resolver<'_> {
     /// Finds the image that a call names, and gives the call its number. `None` after an error; a call of another
     /// function is left alone.
@@ -22,8 +41,7 @@ impl Resolver<'_> {
             _ => f32::NAN,
         };
         let Some(asked) = Asked::of(builtin, |i| number(i) as usize) else { return Some(()) };
-        let not_given = |i: usize| matches!(&args[i].kind, ExprKind::Vector(width) if width.is_empty());
-        self.out.derivatives |= asked.width.is_some_and(not_given);
+        self.out.derivatives |= takes_pixels_width(builtin, args);
         let (name, span) = self.texts.get(number(0) as usize)?.clone();
         let channel = Some(number(asked.channel)).filter(|n| !n.is_nan()).map(|n| &self.texts[n as usize]);
         let channel = channel.filter(|(text, _)| !text.is_empty()).cloned();
@@ -33,7 +51,7 @@ impl Resolver<'_> {
             return None;
         }
         let width = builtin.params.iter().position(|p| p.name == "width");
-        if let Some(width) = width.filter(|&i| asked.width.is_none() && !not_given(i)) {
+        if let Some(width) = width.filter(|&i| asked.width.is_none() && !is_empty(&args[i])) {
             let error = Diagnostic::error("texture", "this filter knows no width", args[width].span);
             self.errors
                 .push(error.hint("`filter = \"mip\"` and `filter = \"sat\"` take the mean over a width."));

@@ -1,7 +1,7 @@
 //! The program's functions, asked at many points at once.
 
 use super::error::SolidError;
-use crate::image::{Image, Variable};
+use crate::image::Variable;
 use crate::program::{Compiler, Program, RunOptions};
 use crate::resolve::NO_FUNCTION;
 use crate::shape::Shape;
@@ -159,15 +159,9 @@ impl<'o> Field<'o> {
         let plane = |axis: usize| -> Vec<f32> { points.par_iter().map(|p| p[axis] as f32).collect() };
         let planes = [0, 1, 2].map(plane).map(Into::into).into();
         let point = Variable { name: "point".into(), shape: Shape::Vector(3), planes };
-        let image = Image { width: points.len(), height: 1, variables: vec![point], ..Image::default() };
-        let options = RunOptions {
-            pixelsize: self.options.pixelsize.or(Some(spacing as f32)),
-            outputs: Some(vec![name.into()]),
-            ..self.options.clone()
-        };
-        let report = program.run(&image, &options)?;
-        let value = report.image.variables.into_iter().find(|v| v.name == name);
-        Ok(value.map(|v| v.planes.into_iter().map(|p| p.into_owned()).collect()).unwrap_or_default())
+        let pixelsize = self.options.pixelsize.or(Some(spacing as f32));
+        let options = RunOptions { pixelsize, ..self.options.clone() };
+        Ok(program.ask(name, vec![point], &options)?)
     }
 }
 
