@@ -1,16 +1,16 @@
 //! `pse job`: a run of many frames or tiles as an Open Job Description bundle, which render farms execute.
 
+mod bundle;
 mod files;
 mod template;
 mod words;
 
-use super::failure::{Failure, print, warn, why};
+use super::failure::{Failure, print, warn};
 use super::frames;
 use super::run::Plan;
 use super::tiles::Tiles;
-use crate::image::write_file;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use words::RunWords;
 
 const EXAMPLES: &str = "\
@@ -38,10 +38,18 @@ pub(super) struct JobArgs {
     #[arg(long, value_name = "CxR", help_heading = "Job")]
     tiles: Option<Tiles>,
     /// The job's name; the program's if not given
-    #[arg(long, value_name = "NAME", help_heading = "Job")]
+    #[arg(long, value_name = "NAME", value_parser = name, help_heading = "Job")]
     name: Option<String>,
     #[command(flatten)]
     run: RunWords,
+}
+
+/// The name of a job, as Open Job Description allows it.
+fn name(text: &str) -> Result<String, String> {
+    match text.chars().count() {
+        1..=128 if !text.chars().any(char::is_control) => Ok(text.into()),
+        _ => Err("a job's name has 1 to 128 characters, and no control characters".into()),
+    }
 }
 
 /// Writes the bundle.
@@ -73,17 +81,9 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
         inputs: template::Inputs::of(&run.images.input, run.images.view.mesh.as_deref())?,
     };
     let text = template.json()?;
-    let make = |folder: &Path| {
-        std::fs::create_dir_all(folder).map_err(|e| {
-            Failure::plain(format!("cannot make the folder `{}`: {}", folder.display(), why(&e)))
-        })
-    };
-    make(&args.bundle.join("output"))?;
-    files.copy(&args.bundle)?;
-    write_file(&args.bundle.join("template.json"), text.as_bytes())?;
-    if let Some(values) = template.inputs.values() {
-        write_file(&args.bundle.join("parameter_values.json"), values.as_bytes())?;
-    }
+    let values = template.inputs.values();
+    let texts = [("template.json", Some(text)), ("parameter_values.json", values)];
+    bundle::write(&args.bundle, &files, &texts)?;
     if !run.quiet {
         let path = args.bundle.join("template.json");
         warn(&format!("wrote {}, {}", path.display(), template.tasks(run.frames.as_ref())));

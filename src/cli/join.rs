@@ -34,6 +34,9 @@ pub(super) struct JoinArgs {
     /// How many columns and rows of tiles there have to be
     #[arg(long, value_name = "CxR")]
     tiles: Option<Tiles>,
+    /// What is given is all, though a part of the picture at the rim is in none of it
+    #[arg(long, conflicts_with = "tiles")]
+    partial: bool,
     /// Several pictures: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
     #[arg(long, value_name = "LIST")]
     frames: Option<Frames>,
@@ -91,6 +94,14 @@ impl JoinArgs {
             WriteOptions { half: self.half, bits: self.bits, raw: self.raw, ..WriteOptions::default() };
         let Region { x0, y0, x1, y1 } = joined.whole;
         let (width, height) = ((x1 - x0) as usize, (y1 - y0) as usize);
+        let [w, h] = joined.metadata.resolution.unwrap_or([width, height]);
+        let whole = [w, h] == [width, height];
+        if !whole && !self.partial && self.tiles.is_none() {
+            let message = format!("the tiles hold {} of a picture of {w}x{h}", joined.whole);
+            return Err(Failure::plain(message).hint(
+                "A tile at the rim may be missing. Say how many there have to be, as in --tiles 4x4; or with --partial that this is all.",
+            ));
+        }
         for path in &self.output {
             let path = PathBuf::from(name(&path.to_string_lossy()));
             if self.mkdir {
@@ -125,8 +136,7 @@ impl JoinArgs {
                 warn(&format!("wrote {} ({width}x{height}) from {n} tiles", output::shown(&path)));
             }
         }
-        let [w, h] = joined.metadata.resolution.unwrap_or([width, height]);
-        if [w, h] != [width, height] && !self.quiet {
+        if !whole && !self.quiet {
             warn(&format!("the tiles hold {} of a picture of {w}x{h}", joined.whole));
         }
         Ok(())

@@ -87,9 +87,57 @@ fn what_is_wrong_is_told() {
     f.bad(1, "flow hole.pse --step 0.5", &["velocity([2.", "is ["]);
     f.bad(2, "flow swirl.pse --step 0", &["leads nowhere"]);
     f.bad(2, "flow swirl.pse --grid 3x3", &["20x20x20"]);
-    f.bad(2, "flow swirl.pse --grid 99999x99999x99999", &["too large"]);
-    f.bad(1, "flow swirl.pse --ball 99999999999", &["too many points"]);
+    f.bad(2, "flow swirl.pse --grid 99999x99999x99999", &["too many points"]);
+    f.bad(2, "flow swirl.pse --ball 99999999999", &["too many points"]);
+    f.bad(2, "flow swirl.pse --ball 0", &["no seeds"]);
+    f.bad(2, "flow swirl.pse --width nan", &["a width of NaN"]);
+    f.bad(2, "flow swirl.pse --radius 1e30", &["a radius"]);
+    f.bad(2, "flow swirl.pse --size 1000000x1000000", &["1000000x1000000", "in memory"]);
+    f.bad(2, "flow swirl.pse -o - -o -", &["standard output"]);
     f.bad(2, "flow swirl.pse --frames 1-3 -o a.png", &["a.png", "####"]);
     f.bad(1, "flow swirl.pse -o a.obj", &[".obj"]);
     assert!(!f.path("still.png").exists() && !f.path("hole.png").exists());
+}
+
+#[test]
+fn no_input_is_harmed() {
+    let f = folder();
+    f.good("scene sphere --size 32x32 -o g.exr -q");
+    let before = f.read("g.exr");
+    f.bad(1, "flow swirl.pse -i g.exr -o g.exr", &["the output `g.exr` is the input `g.exr`"]);
+    f.bad(1, "flow swirl.pse -i g.exr -o ./g.exr", &["is the input"]);
+    assert_eq!(f.read("g.exr"), before);
+}
+
+#[test]
+fn a_camera_that_no_header_tells_is_found_from_the_points() {
+    let f = Folder::new();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gbuffers");
+    let file = std::path::Path::new(folder).join("donut_320x180_plain_tiled64.exr");
+    f.write("up.pse", "function velocity(p)\n    return [0 0 0.001]\n");
+    f.good(&format!("flow up.pse -i {} --every 3 --steps 1 -o o.exr -q", file.display()));
+    // Lines of next to no length lie where their seeds were seen.
+    let (lines, seen) = (load(&f.path("o.exr")), load(&file));
+    let point = |image: &pse::Image<'_>, at: usize| -> Vec<f32> {
+        image.variable("point").expect("points").planes.iter().map(|p| p[at]).collect()
+    };
+    let (row, column) = (lines.height / 2 / 3 * 3 + 1, lines.width / 2 / 3 * 3 + 1);
+    let at = row * lines.width + column;
+    assert_eq!(lines.variable("surface").expect("surface").planes[0][at], 1.0);
+    let apart: f32 = point(&lines, at).iter().zip(point(&seen, at)).map(|(a, b)| (a - b).abs()).sum();
+    assert!(apart < 0.01, "{apart}");
+}
+
+#[test]
+fn images_are_looked_up_with_a_width() {
+    let f = folder();
+    f.good("run -e white*pixel.x/40 --size 40x30 -o t.png -q");
+    f.write("w.pse", "function velocity(p)\n    return [texture(\"t.png\", p.x, p.y, width = 0.1).r 0 1]\n");
+    f.good("flow w.pse --ball 9 -q");
+    f.write("n.pse", "function velocity(p)\n    return [texture(\"t.png\", p.x, p.y).r 0 1]\n");
+    f.bad(1, "flow n.pse --ball 9 -q", &["neighbouring pixels", "width"]);
+    // Where it goes wrong is a point, not a pixel.
+    f.write("i.pse", "function velocity(p)\n    v = [1 2 3]\n    return v * v[p.x > 0.5 ? 7 : 0]\n");
+    let said = f.pse("flow i.pse --ball 50").err;
+    assert!(said.contains("It happens at the point [0.") && !said.contains("pixel"), "{said}");
 }

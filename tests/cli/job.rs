@@ -155,3 +155,33 @@ fn openjd_runs_bundles_to_the_same_bytes() {
     run(&f, "still.job", &[&format!("InputDir={}", f.path("renders").display())]);
     assert!(f.read("whole.png") == f.read("still.job/output/whole.png"));
 }
+
+#[test]
+fn a_bundle_is_made_anew() {
+    let f = Folder::new();
+    for folder in ["a", "b", "e", "mine/program"] {
+        fs::create_dir_all(f.path(folder)).expect("a folder");
+    }
+    f.good("run -e red --size 4x4 -o a/wood.png -q");
+    f.good("run -e blue --size 4x4 -o b/wood.png -q");
+    f.write("w.pse", "color = texture(\"wood.png\", 0, 0)\n");
+    f.good("job w.pse --path a -i a/wood.png -o w.job -q");
+    assert!(f.path("w.job/program/path-1/wood.png").exists() && f.path("w.job/parameter_values.json").exists());
+    f.write("w.job/output/kept.png", "a picture");
+    f.good("job w.pse --path e --path b -o w.job -q");
+    assert!(!f.path("w.job/program/path-1/wood.png").exists() && !f.path("w.job/parameter_values.json").exists());
+    assert_eq!(f.read("w.job/program/path-2/wood.png"), f.read("b/wood.png"));
+    assert_eq!(f.read("w.job/output/kept.png"), b"a picture");
+    // What is no bundle is left alone, and what fails leaves the old one.
+    f.bad(1, "job w.pse --path a -o mine", &["of no bundle", "-o fire.job"]);
+    let before = f.read("w.job/template.json");
+    f.write("up.pse", "color = texture(\"../wood.png\", 0, 0)\n");
+    fs::copy(f.path("a/wood.png"), f.path("wood.png")).expect("a copy");
+    fs::rename(f.path("up.pse"), f.path("e/up.pse")).expect("moved");
+    f.bad(1, "job e/up.pse --path . -o w.job", &["would not find", "without `..`"]);
+    assert_eq!(f.read("w.job/template.json"), before);
+    let mut left: Vec<_> = fs::read_dir(f.path("w.job")).expect("a folder").map(|e| e.expect("a file").file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["output", "program", "template.json"]);
+    f.bad(2, &format!("job w.pse --path a --name {} -o n.job", "x".repeat(200)), &["1 to 128 characters"]);
+}

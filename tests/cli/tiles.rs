@@ -81,7 +81,8 @@ fn what_does_not_go_together_is_said() {
     f.bad(1, "join t.1.exr t.2.exr t.4.exr -o a.exr", &["300 of the pixels 0,0,40,30 are in no tile"]);
     f.bad(2, "join t.1.exr t.2.exr --tiles 2x2 -o a.exr", &["2x2 are 4 tiles, and 2 are given"]);
     f.bad(2, "join t.{tile}.exr -o a.exr", &["stands for several tiles", "--tiles"]);
-    let part = f.good("join t.1.exr t.2.exr -o part.exr");
+    f.bad(1, "join t.1.exr t.2.exr -o part.exr", &["of a picture of 40x30", "--tiles", "--partial"]);
+    let part = f.good("join t.1.exr t.2.exr --partial -o part.exr");
     assert!(part.err.contains("the tiles hold 0,0,40,15 of a picture of 40x30"), "{}", part.err);
     run("1/1x2", "-o u.{tile}.exr");
     f.bad(1, "join t.1.exr u.1.exr -o a.exr", &["both hold the pixels 0,0,20,15"]);
@@ -91,7 +92,7 @@ fn what_does_not_go_together_is_said() {
     f.bad(1, "join u.1.exr s.2.exr -o a.exr", &["different pictures", "display windows"]);
     f.good("run -e point --size 40x30 -o w.png");
     f.bad(1, "join w.png -o a.exr", &["is no tile", ".exr"]);
-    f.bad(1, "join part.exr -o part.exr", &["the output is the tile"]);
+    f.bad(1, "join part.exr --partial -o part.exr", &["the output is the tile"]);
     f.bad(1, "run -e point --size 3x3 --tile 1/4x1 -o v.{tile}.exr", &["3x3 pixels cannot be cut into 4x1"]);
     f.bad(2, "run -e point --tile 5/2x2 -o v.{tile}.exr", &["no tile `5` of 2x2"]);
     f.bad(2, "run -e point --tile 1/2x2 -o v.exr", &["cannot all be written", "{tile}"]);

@@ -60,28 +60,31 @@ impl Files {
         own.then(String::new).into_iter().chain(folders).collect()
     }
 
-    /// Copies them, and looks whether the program is whole there.
+    /// Copies them into a folder, and looks whether the program is whole there.
     pub fn copy(&self, bundle: &Path) -> Result<(), Failure> {
         let folder = bundle.join(FOLDER);
-        let fail = |to: &Path, e: &std::io::Error| {
-            Failure::plain(format!("cannot write `{}`: {}", to.display(), why(e)))
+        let fail = |what: &str, path: &Path, e: &std::io::Error| {
+            Failure::plain(format!("cannot {what} `{}`: {}", path.display(), why(e)))
         };
         // An empty folder is a folder too: --path names it.
         let made = (0..self.folders).map(|i| folder.join(self::folder(i))).collect::<Vec<_>>();
-        for (to, from) in &self.copies {
-            let to = folder.join(to);
-            std::fs::create_dir_all(to.parent().unwrap_or(&folder)).map_err(|e| fail(&to, &e))?;
-            std::fs::copy(from, &to).map_err(|e| fail(&to, &e))?;
+        for (place, from) in &self.copies {
+            let to = folder.join(place);
+            std::fs::create_dir_all(to.parent().unwrap_or(&folder)).map_err(|e| fail("write", place, &e))?;
+            let mut source = std::fs::File::open(from).map_err(|e| fail("read", from, &e))?;
+            let copied = std::fs::File::create(&to).and_then(|mut to| std::io::copy(&mut source, &mut to));
+            copied.map_err(|e| fail("write a copy of", from, &e))?;
         }
         for path in &made {
-            std::fs::create_dir_all(path).map_err(|e| fail(path, &e))?;
+            std::fs::create_dir_all(path).map_err(|e| fail("make the folder", path, &e))?;
         }
-        if let Some(name) = &self.program {
-            let path = folder.join(name);
-            let (name, text) = source::read(&path)?;
-            source::compile(&name, &text, &made)?;
-        }
-        Ok(())
+        let Some(name) = &self.program else { return Ok(()) };
+        let (name, text) = source::read(&folder.join(name))?;
+        source::compile(&name, &text, &made).map(drop).map_err(|_| {
+            Failure::plain("in a bundle the program would not find all of its files").hint(
+                "A bundle keeps what lies beside the program and below, and each folder of --path by itself. Name files without `..`, and folders with --path.",
+            )
+        })
     }
 }
 

@@ -83,7 +83,9 @@ pub(super) fn rows(
             let needed = judged.bytes(least).div_ceil(1 << 20);
             let failure =
                 Failure::plain(format!("the run needs some {needed} MB, and --memory allows {most}"));
-            let mut failure = failure.hint(format!("Give it more: --memory {needed}."));
+            // Textures and values get a share of what there is, so that they need more of more.
+            let enough = (needed as f64 * 1.7).ceil();
+            let mut failure = failure.hint(format!("Give it more: --memory {enough}."));
             if pictures > 0 || input.inputs.list.iter().any(|opened| !opened.file.streams()) {
                 failure = failure.hint("Only EXR and PNG are read and written row by row.");
             }

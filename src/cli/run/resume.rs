@@ -77,6 +77,10 @@ pub(super) fn is_done(outputs: &[Output], hash: &str) -> bool {
 
 /// What cannot be resumed is told before the work.
 pub(super) fn check(args: &RunArgs) -> Result<(), Failure> {
+    if args.resume && args.output.is_empty() && (args.hash || args.repeat.is_some()) {
+        let failure = Failure::usage("--resume is for files, and none is written");
+        return Err(failure.hint("Give one with -o, or leave out --resume."));
+    }
     let pipe =
         args.images.input.iter().any(|i| i.path == "-") || args.output.iter().any(|o| o.as_os_str() == "-");
     match args.resume && pipe {
