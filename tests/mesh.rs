@@ -297,7 +297,7 @@ fn a_closed_mesh_has_no_holes_from_anywhere() {
 #[test]
 fn missing_normals_are_smooth_and_sheets_turn_to_the_eye() {
     let mesh = of("obj", ball(32)).unwrap();
-    let image = picture(mesh, &view(33, 33, [0.0, -6.0, 0.0], [0.0; 3], 15.0));
+    let image = picture(mesh, &view(33, 33, [0.0, -6.0, 0.0], [0.0; 3], 11.0));
     for pixel in 0..33 * 33 {
         let [point, normal] =
             [at(&image, "point", pixel % 33, pixel / 33), at(&image, "normal", pixel % 33, pixel / 33)];

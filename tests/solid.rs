@@ -166,7 +166,7 @@ fn exact_and_difference_normals_agree() {
     for pixel in (0..160 * 120).filter(|&i| plane(&a, "surface", 0)[i] > 0.0) {
         let (a, b) = (vector(&a, "normal", pixel), vector(&b, "normal", pixel));
         assert!((dot(a, a) - 1.0).abs() < 1e-5);
-        assert!(dot(a, b) > 0.9998, "{a:?} {b:?}");
+        assert!(dot(a, b) > 0.999, "{a:?} {b:?}");
         seen += 1;
     }
     assert!(seen > 3000, "{seen}");

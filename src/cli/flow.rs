@@ -11,7 +11,7 @@ use super::solid::{Bounds, bounds};
 use super::source::ProgramArgs;
 use crate::flow::{self, Flow, Pen, Projection, Trajectories};
 use crate::host::Disk;
-use crate::image::{Format, Image, NewFile, WriteOptions, same_file, write};
+use crate::image::{Format, Image, Metadata, NewFile, WriteOptions, same_file, write};
 use crate::program::RunOptions;
 use clap::Args;
 use std::io::{BufWriter, Write};
@@ -361,7 +361,8 @@ fn save(
     let pen = Pen { width: args.width };
     let mut image = flow::draw(lines, colors, projection, &pen, start.image.as_ref());
     match &start.image {
-        Some(seen) => image.metadata = seen.metadata.clone(),
+        // The lines fill the whole picture, whatever part of it the image holds.
+        Some(seen) => image.metadata = Metadata { origin: [0, 0], resolution: None, ..seen.metadata.clone() },
         None => projection.note(&mut image.metadata),
     }
     if Format::of(path)? != Format::Exr {

@@ -51,7 +51,7 @@ const PLANES: usize = 14;
 ///
 /// `colors` are those of the trajectories' points ([`Flow::colors`](super::Flow::colors)); without them lines are white, and darker
 /// the more they point at the eye, as thin cylinders under a headlight are. What lies behind the surfaces of `before`, an image with `depth`
-/// of the same size, is hidden.
+/// of that picture or of a part of it, is hidden.
 ///
 /// A segment with an end behind the eye is left out. Lines that touch in a pixel are taken as covering it independently.
 pub fn draw(
@@ -106,7 +106,23 @@ struct Drawing<'a> {
     strength: f64,
     /// Where each point is seen, and its depth; not finite where it cannot be.
     seen: Vec<(DVec2, f64)>,
-    hiding: Option<&'a [f32]>,
+    /// How far away the surfaces are that lines may be behind, for all pixels of the picture.
+    hiding: Option<Vec<f32>>,
+}
+
+/// The depths of an image, at its place in the picture.
+fn hiding(image: &Image<'_>, [width, height]: [usize; 2]) -> Option<Vec<f32>> {
+    let depth = &image.variable("depth").filter(|v| v.shape == Shape::Scalar)?.planes[0];
+    let [left, top] = image.metadata.origin.map(i64::from);
+    let mut plane = vec![f32::INFINITY; width * height];
+    for (y, line) in (top..).zip(depth.chunks(image.width.max(1))) {
+        for (x, depth) in (left..).zip(line) {
+            if (0..width as i64).contains(&x) && (0..height as i64).contains(&y) {
+                plane[y as usize * width + x as usize] = *depth;
+            }
+        }
+    }
+    Some(plane)
 }
 
 impl<'a> Drawing<'a> {
@@ -115,7 +131,7 @@ impl<'a> Drawing<'a> {
         colors: Option<&'a [[f32; 4]]>,
         projection: &Projection,
         pen: &Pen,
-        before: Option<&'a Image<'_>>,
+        before: Option<&Image<'_>>,
     ) -> Drawing<'a> {
         assert!(trajectories.points.len() <= MAX_POINTS, "so many points no flow has");
         let seen = trajectories.points.par_iter().map(|point| {
@@ -124,7 +140,6 @@ impl<'a> Drawing<'a> {
             if depth > 0.0 { (projection.place(point), depth) } else { (DVec2::NAN, depth) }
         });
         let size = projection.size;
-        let depth = before.and_then(|image| image.variable("depth")).map(|v| &*v.planes[0]);
         Drawing {
             trajectories,
             colors,
@@ -133,7 +148,7 @@ impl<'a> Drawing<'a> {
             radius: pen.width.max(1.0) / 2.0,
             strength: pen.width.clamp(0.0, 1.0),
             seen: seen.collect(),
-            hiding: depth.filter(|plane| plane.len() == size[0] * size[1]),
+            hiding: before.and_then(|image| hiding(image, size)),
         }
     }
 
@@ -218,6 +233,7 @@ impl<'a> Drawing<'a> {
                 let pixel = (row - rows.start) * width + column;
                 let hidden = self
                     .hiding
+                    .as_ref()
                     .is_some_and(|plane| depth > f64::from(plane[row * width + column]) * (1.0 + BIAS));
                 if !hidden {
                     fragments.push(Fragment {

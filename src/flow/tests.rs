@@ -25,8 +25,8 @@ fn the_error_falls_with_the_fourth_power_of_the_step() {
     let error = |steps: usize| {
         let round = run(text, &[[1.0, 0.0, 0.25]], 4.0 / steps as f64, steps);
         let end = round.line(0)[steps].map(f64::from);
-        let exact = [4f64.cos(), -4f64.sin(), 0.25 * 2f64.exp()];
-        (0..3).map(|i| (end[i] - exact[i]).powi(2)).sum::<f64>().sqrt()
+        let exact = [libm::cos(4.0), -libm::sin(4.0), 0.25 * libm::exp(2.0)];
+        glam::DVec3::from(end).distance(exact.into())
     };
     let (coarse, fine) = (error(8), error(16));
     let ratio = coarse / fine;

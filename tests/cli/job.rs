@@ -166,10 +166,14 @@ fn a_bundle_is_made_anew() {
     f.good("run -e blue --size 4x4 -o b/wood.png -q");
     f.write("w.pse", "color = texture(\"wood.png\", 0, 0)\n");
     f.good("job w.pse --path a -i a/wood.png -o w.job -q");
-    assert!(f.path("w.job/program/path-1/wood.png").exists() && f.path("w.job/parameter_values.json").exists());
+    assert!(
+        f.path("w.job/program/path-1/wood.png").exists() && f.path("w.job/parameter_values.json").exists()
+    );
     f.write("w.job/output/kept.png", "a picture");
     f.good("job w.pse --path e --path b -o w.job -q");
-    assert!(!f.path("w.job/program/path-1/wood.png").exists() && !f.path("w.job/parameter_values.json").exists());
+    assert!(
+        !f.path("w.job/program/path-1/wood.png").exists() && !f.path("w.job/parameter_values.json").exists()
+    );
     assert_eq!(f.read("w.job/program/path-2/wood.png"), f.read("b/wood.png"));
     assert_eq!(f.read("w.job/output/kept.png"), b"a picture");
     // What is no bundle is left alone, and what fails leaves the old one.
@@ -180,7 +184,8 @@ fn a_bundle_is_made_anew() {
     fs::rename(f.path("up.pse"), f.path("e/up.pse")).expect("moved");
     f.bad(1, "job e/up.pse --path . -o w.job", &["would not find", "without `..`"]);
     assert_eq!(f.read("w.job/template.json"), before);
-    let mut left: Vec<_> = fs::read_dir(f.path("w.job")).expect("a folder").map(|e| e.expect("a file").file_name()).collect();
+    let mut left: Vec<_> =
+        fs::read_dir(f.path("w.job")).expect("a folder").map(|e| e.expect("a file").file_name()).collect();
     left.sort();
     assert_eq!(left, ["output", "program", "template.json"]);
     f.bad(2, &format!("job w.pse --path a --name {} -o n.job", "x".repeat(200)), &["1 to 128 characters"]);
