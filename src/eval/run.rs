@@ -187,10 +187,15 @@ impl<'r> Job<'r> {
             outputs.push(Output { name, slot, input: input.filter(|_| slot.is_none()), shape, seen: None });
         }
         if outputs.is_empty() && errors.is_empty() {
-            errors.push(
-                Diagnostic::bare("output", "the program gives nothing to write")
-                    .hint("Assign to `color`, as in `color = white * Noise(8 * point)`, or end with an expression alone."),
+            let error = Diagnostic::bare("output", "the program gives nothing to write").hint(
+                "Assign to `color`, as in `color = white * Noise(8 * point)`, or end with an expression alone.",
             );
+            let has = |name: &str| program.functions.iter().any(|f| f.name == name);
+            errors.push(match (has("velocity"), has("density")) {
+                (true, _) => error.hint("Its function `velocity` is for `pse flow`."),
+                (_, true) => error.hint("Its function `density` is for `pse scene --iso`, or `--iso` beside a program with colours."),
+                _ => error,
+            });
         }
         if errors.is_empty() {
             Ok(Job { program, bound, image, rows, options, outputs, by_normal, places: None })

@@ -148,3 +148,15 @@ fn scenes_are_written() {
     f.bad(2, "scene vase --list", &["cannot be used with"]);
     f.bad(1, "scene vase -o a.png --size 4x4", &["no `color`", ".exr"]);
 }
+
+#[test]
+fn info_of_a_mesh() {
+    let f = Folder::new();
+    f.write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 3\nusemtl wood\nf 1 2 3 4\nusemtl glass\nf 1 2 3\n");
+    assert_eq!(
+        f.good("info a.obj").text,
+        "a.obj: a mesh\n  points     4\n  faces      2 of up to 4 corners\n  normals    none\n  uv         none\n  \
+         from       [0 0 0]\n  to         [1 2 3]\n  surface    1 is wood, 1 faces\n  surface    2 is glass, 1 faces\n"
+    );
+    f.bad(1, "info b.obj", &["b.obj", "no such file"]);
+}

@@ -85,6 +85,7 @@ fn what_is_wrong_is_told() {
     f.bad(1, "flow flat.pse", &["gives a scalar", "[x y z]", "flat.pse:1:1"]);
     f.write("hole.pse", "function velocity(p)\n    return p / (p.x > 2 ? 0 : 1)\n");
     f.bad(1, "flow hole.pse --step 0.5", &["velocity([2.", "is ["]);
+    f.bad(1, "run swirl.pse", &["nothing to write", "`pse flow`"]);
     f.bad(2, "flow swirl.pse --step 0", &["leads nowhere"]);
     f.bad(2, "flow swirl.pse --grid 3x3", &["20x20x20"]);
     f.bad(2, "flow swirl.pse --grid 99999x99999x99999", &["too many points"]);
