@@ -5,6 +5,7 @@ use super::frames::{self, Frames};
 use super::interrupt::{self, CANCEL};
 use super::model;
 use super::output;
+use super::prints::Shown;
 use super::progress::{Meter, Style};
 use super::run::{LimitArgs, frame, set};
 use super::source::{self, ProgramArgs};
@@ -40,6 +41,12 @@ pub(super) struct DeformArgs {
     /// Several frames: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
     #[arg(long, value_name = "LIST")]
     frames: Option<Frames>,
+    /// How fine a detail of noise may be, instead of the mean length of the edges
+    #[arg(long, value_name = "SIZE")]
+    pixelsize: Option<f32>,
+    /// Show so many lines of what the program prints, those of the first vertices; 0 shows none
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    print: usize,
     /// Let the output replace the input
     #[arg(long)]
     force: bool,
@@ -76,8 +83,15 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
             "A deformation says where each vertex goes, for example: point += 0.1 * normal * Noise(4 * point).",
         ));
     }
+    if program.resolved().derivatives {
+        let failure = Failure::plain(format!("{name} asks how things change from pixel to pixel"));
+        return Err(failure.hint(
+            "Vertices have no such neighbours: leave out derivatives, and give look-ups in images a width.",
+        ));
+    }
     let meter = Meter::new(&name, Style::Bar, args.quiet, list.len());
     let mut kept: Option<(PathBuf, Deform)> = None;
+    let mut shown = Shown::new(if args.quiet { 0 } else { args.print });
     for (i, frame) in list.iter().enumerate() {
         let fill = |path: &str| PathBuf::from(frame.number.map_or(path.into(), |n| frames::fill(path, n)));
         let (input, target) = (fill(&args.mesh), fill(&pattern));
@@ -102,6 +116,8 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
             frame: frame.value,
             set: args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?,
             outputs: Some(vec!["point".into()]),
+            pixelsize: Some(args.pixelsize.unwrap_or_else(|| deform.spacing())),
+            prints: shown.wanted(),
             limits: args.limits.limits(),
             texture_memory: Some(args.limits.textures()),
             cancel: Some(&CANCEL),
@@ -109,6 +125,8 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
             ..RunOptions::default()
         };
         let report = program.run(&deform.image(), &options)?;
+        shown.frame(&report.frame_prints, program.sources(), frame.number);
+        shown.frame(&report.prints, program.sources(), frame.number);
         let moved = deform.moved(&report.image).map_err(Failure::Plain)?;
         moved.write(&target)?;
         meter.frame();
@@ -118,5 +136,6 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
         }
         kept = Some((input, deform));
     }
+    shown.end();
     Ok(())
 }

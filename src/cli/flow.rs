@@ -264,7 +264,12 @@ fn outputs(args: &FlowArgs) -> Result<Vec<PathBuf>, Failure> {
                 Failure::usage(format!("{name} has a place for the frame's number, and none is given"));
             return Err(failure.hint("Give the frames: --frames 1-24, or --frame 1."));
         }
-        if is_ply(path) { crate::image::check_target(path)? } else { output::check(path).map(drop)? }
+        if is_ply(path) {
+            crate::image::check_target(path)?;
+        } else {
+            let known = Format::of(path).is_ok();
+            output::check(path).map_err(|f| if known { f } else { f.hint("Points are written as .ply.") })?;
+        }
     }
     Ok(outputs)
 }

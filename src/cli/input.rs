@@ -100,6 +100,16 @@ impl ImageArgs {
     }
 }
 
+/// The failure to read a file, with a hint if its name still has a place for the frame's number.
+pub(super) fn of_sequence(failure: Failure, name: &str) -> Failure {
+    match frames::has_pattern(name) {
+        true => {
+            failure.hint("The name has a place for the frame's number: give --frame 1, or --frames 1-24.")
+        }
+        false => failure,
+    }
+}
+
 /// An image whose header has been read.
 pub(super) struct Opened {
     /// Its name in the program.
@@ -235,7 +245,8 @@ impl Inputs {
             let path: PathBuf = frame.map_or_else(|| arg.path.clone(), |f| frames::fill(&arg.path, f)).into();
             let own = |m: &&MapArg| m.image == arg.name;
             let maps = maps.iter().filter(own).map(|m| m.mapping.clone()).collect();
-            let file = read(Input::from_argument(&path)?, &ReadOptions { maps, raw })?;
+            let file = read(Input::from_argument(&path)?, &ReadOptions { maps, raw })
+                .map_err(|error| of_sequence(error.into(), &path.to_string_lossy()))?;
             list.push(Opened { name: arg.name.clone(), file });
         }
         Ok(Inputs { list })

@@ -1,6 +1,7 @@
 //! Meshes that are looked at: read once, and kept for the next frame.
 
 use super::failure::{Failure, warn};
+use super::input::of_sequence;
 use super::progress::{Meter, Style};
 use crate::mesh::{self, Format};
 use crate::program::Progress;
@@ -52,7 +53,8 @@ pub(super) fn read(path: &Path, quiet: bool) -> Result<mesh::Mesh, Failure> {
         return Ok(mesh::head());
     }
     let meter = Meter::new(&path.display().to_string(), Style::Bar, quiet, 1);
-    let file = mesh::read(path, &|done, total| meter.update(Progress { done, total }))?;
+    let file = mesh::read(path, &|done, total| meter.update(Progress { done, total }))
+        .map_err(|error| of_sequence(error.into(), &path.to_string_lossy()))?;
     meter.frame();
     if !quiet {
         for note in &file.notes {

@@ -45,6 +45,11 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         prints: Shown::new(if args.quiet { 0 } else { args.print }),
         first: true,
     };
+    let view = &args.images.view;
+    let moves = view.mesh.as_deref().is_some_and(frames::has_pattern) && plan.frames.len() > 1;
+    if moves && !args.quiet && (view.eye.is_none() || view.look_at.is_none() || view.fov.is_none()) {
+        warn("each mesh is framed by itself: give --eye, --look-at and --fov for a camera that stays");
+    }
     let mut failed = Vec::new();
     let mut skipped = 0;
     for &frame in &plan.frames {
@@ -258,7 +263,7 @@ impl Job<'_> {
             }
         }
         if let Some(told) = input.told().filter(|_| !args.quiet) {
-            warn_unseen(&told);
+            warn_unseen(&told, &args.solid);
         }
         if args.stats {
             stats.print();

@@ -10,7 +10,7 @@ use super::progress::{Meter, Style};
 use super::region::bands;
 use super::run::set;
 use super::solid::{SolidArgs, tell, warn_unseen};
-use crate::image::{WriteOptions, Writer};
+use crate::image::{Format, WriteOptions, Writer};
 use crate::mesh;
 use crate::program::{Limits, Progress};
 use crate::scene::{self, Options, Renderer, parse_point, parse_size};
@@ -220,7 +220,9 @@ fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
             }
         }
         false => {
-            output::check(&path)?;
+            let meshes = "A mesh of the solid is written as .obj, .ply or .glb, its G-buffer as .exr.";
+            let known = Format::of(&path).is_ok();
+            output::check(&path).map_err(|f| if known { f } else { f.hint(meshes) })?;
         }
     }
     let set = making.set.iter().map(|text| set(text, making.frame)).collect::<Result<_, _>>()?;
@@ -249,7 +251,7 @@ fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
             (0..height).step_by(BAND.div_ceil(width)).map(|top| top..height.min(top + BAND.div_ceil(width)));
         write(args, &name, &path, Finder::Solid(&found), rows)?;
         if !args.quiet {
-            warn_unseen(&found.told());
+            warn_unseen(&found.told(), solid);
         }
     }
     if making.stats {

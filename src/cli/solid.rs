@@ -130,8 +130,14 @@ pub(super) fn tell(told: &Told) {
     }
 }
 
-/// Says that there is nothing in the picture.
-pub(super) fn warn_unseen(told: &Told) {
+/// Says that there is nothing in the picture, or that something may be missing.
+pub(super) fn warn_unseen(told: &Told, solid: &SolidArgs) {
+    if let (Some(slope), 1..) = (solid.lipschitz, told.contradictions) {
+        let n = told.contradictions;
+        warn(&format!(
+            "the density is steeper than --lipschitz {slope} says, as {n} steps have found: parts of the solid may be missing"
+        ));
+    }
     if told.seen == 0 {
         warn(
             "nothing of the solid is seen: look at it from elsewhere, or see whether its density passes the --level within the --box",

@@ -1,6 +1,7 @@
 //! Trajectories as lines of a picture: antialiased, and sorted by depth at every pixel.
 
 use super::projection::Projection;
+use super::seeds::surfaces;
 use super::trajectories::Trajectories;
 use super::{MAX_POINTS, Vector};
 use crate::image::{Image, Metadata, Variable};
@@ -50,8 +51,8 @@ const PLANES: usize = 14;
 /// line), `depth`, `age` and the number `line`, from 0. Where there is none, `depth` is 1e10 and all else 0.
 ///
 /// `colors` are those of the trajectories' points ([`Flow::colors`](super::Flow::colors)); without them lines are white, and darker
-/// the more they point at the eye, as thin cylinders under a headlight are. What lies behind the surfaces of `before`, an image with `depth`
-/// of that picture or of a part of it, is hidden.
+/// the more they point at the eye, as thin cylinders under a headlight are. What lies behind the surfaces of `before`, an image with `depth` or
+/// `point` of that picture or of a part of it, is hidden.
 ///
 /// A segment with an end behind the eye is left out. Lines that touch in a pixel are taken as covering it independently.
 pub fn draw(
@@ -110,9 +111,17 @@ struct Drawing<'a> {
     hiding: Option<Vec<f32>>,
 }
 
-/// The depths of an image, at its place in the picture.
-fn hiding(image: &Image<'_>, [width, height]: [usize; 2]) -> Option<Vec<f32>> {
-    let depth = &image.variable("depth").filter(|v| v.shape == Shape::Scalar)?.planes[0];
+/// The depths of an image, at its place in the picture: its own, or those of its points.
+fn hiding(image: &Image<'_>, projection: &Projection) -> Option<Vec<f32>> {
+    let [width, height] = projection.size;
+    let own = image.variable("depth").filter(|v| v.shape == Shape::Scalar).map(|v| v.planes[0].clone());
+    let depth = own.or_else(|| {
+        let seen = surfaces(image).map(|hit| {
+            hit.map_or(f64::INFINITY, |point| projection.depth(DVec3::from(point.map(f64::from))))
+        });
+        let depths: Vec<f32> = seen.map(|depth| depth as f32).collect();
+        (!depths.is_empty()).then(|| depths.into())
+    })?;
     let [left, top] = image.metadata.origin.map(i64::from);
     let mut plane = vec![f32::INFINITY; width * height];
     for (y, line) in (top..).zip(depth.chunks(image.width.max(1))) {
@@ -148,7 +157,7 @@ impl<'a> Drawing<'a> {
             radius: pen.width.max(1.0) / 2.0,
             strength: pen.width.clamp(0.0, 1.0),
             seen: seen.collect(),
-            hiding: before.and_then(|image| hiding(image, size)),
+            hiding: before.and_then(|image| hiding(image, projection)),
         }
     }
 

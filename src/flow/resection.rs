@@ -4,8 +4,8 @@
 //! transformation of photogrammetry). Their least squares solution is the eigenvector of the least eigenvalue of a matrix of 12 by 12.
 
 use super::projection::Projection;
+use super::seeds::surfaces;
 use crate::image::Image;
-use crate::shape::Shape;
 use glam::{DVec2, DVec3, DVec4};
 
 /// Pixels that are asked, about: enough for what single precision leaves open.
@@ -44,23 +44,18 @@ pub(super) fn find(image: &Image<'_>) -> Option<Projection> {
 
 /// Points of the image, with the middles of the pixels that see them.
 fn pairs(image: &Image<'_>) -> Vec<(DVec3, DVec2)> {
-    let Some(point) = image.variable("point").filter(|v| v.shape == Shape::Vector(3)) else {
-        return Vec::new();
-    };
-    let surface = image.variable("surface").filter(|v| v.shape == Shape::Scalar);
     let [left, top] = image.metadata.origin;
     let step = ((image.width * image.height / PIXELS) as f64).sqrt() as usize + 1;
     let mut pairs = Vec::new();
-    for row in (0..image.height).step_by(step) {
-        for column in (0..image.width).step_by(step) {
-            let at = row * image.width + column;
-            let place = [0, 1, 2].map(|i| f64::from(point.planes[i][at]));
-            let hit = surface.map_or(place != [0.0; 3], |s| s.planes[0][at] > 0.0);
-            if hit && place.iter().all(|x| x.is_finite() && x.abs() < 1e8) {
-                let middle = [(column as i32 + left) as f64 + 0.5, (row as i32 + top) as f64 + 0.5];
-                pairs.push((DVec3::from(place), DVec2::from(middle)));
-            }
-        }
+    for (at, point) in surfaces(image).enumerate() {
+        let (row, column) = (at / image.width, at % image.width);
+        let Some(point) =
+            point.filter(|p| row % step == 0 && column % step == 0 && p.iter().all(|x| x.abs() < 1e8))
+        else {
+            continue;
+        };
+        let middle = [(column as i32 + left) as f64 + 0.5, (row as i32 + top) as f64 + 0.5];
+        pairs.push((DVec3::from(point.map(f64::from)), DVec2::from(middle)));
     }
     pairs
 }

@@ -36,22 +36,25 @@ pub fn ball(count: usize, radius: f64) -> Vec<Vector> {
 
 /// The points that an image sees: of every `every`th column and row where there is a surface. Empty if it has no `point`.
 pub fn visible(image: &Image<'_>, every: usize) -> Vec<Vector> {
-    let Some(point) = image.variable("point").filter(|v| v.shape == Shape::Vector(3)) else {
-        return Vec::new();
-    };
-    let surface = image.variable("surface").filter(|v| v.shape == Shape::Scalar);
     let every = every.max(1);
-    let mut seeds = Vec::new();
-    for row in (every / 2..image.height).step_by(every) {
-        for column in (every / 2..image.width).step_by(every) {
-            let at = row * image.width + column;
+    let all: Vec<Option<Vector>> = surfaces(image).collect();
+    let middles = |length: usize| (every / 2..length).step_by(every);
+    let rows = middles(image.height).take_while(|_| !all.is_empty());
+    rows.flat_map(|row| middles(image.width).map(move |column| (row, column)))
+        .filter_map(|(row, column)| all[row * image.width + column])
+        .collect()
+}
+
+/// The point of each pixel, `None` where there is no surface. Nothing for an image without `point`.
+pub(super) fn surfaces<'a>(image: &'a Image<'_>) -> impl Iterator<Item = Option<Vector>> + 'a {
+    let point = image.variable("point").filter(|v| v.shape == Shape::Vector(3));
+    let surface = image.variable("surface").filter(|v| v.shape == Shape::Scalar);
+    point.into_iter().flat_map(move |point| {
+        (0..image.width * image.height).map(move |at| {
             let place = [0, 1, 2].map(|i| point.planes[i][at]);
             // Without numbers of surfaces, the background is where all coordinates are 0.
             let hit = surface.map_or(place != [0.0; 3], |s| s.planes[0][at] > 0.0);
-            if hit && place.iter().all(|x| x.is_finite()) {
-                seeds.push(place);
-            }
-        }
-    }
-    seeds
+            Some(place).filter(|place| hit && place.iter().all(|x| x.is_finite()))
+        })
+    })
 }

@@ -4,6 +4,7 @@ use super::Mesh;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
 use crate::shape::Shape;
+use glam::DVec3;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
@@ -68,6 +69,21 @@ impl Deform {
             }
         }
         Deform { mesh, planes, group, groups }
+    }
+
+    /// How far vertices lie from their neighbours: the mean length of the edges, which is the `pixelsize` of a deformation.
+    pub fn spacing(&self) -> f32 {
+        let place =
+            |corner: &super::Corner| DVec3::from(self.mesh.points[corner.point as usize].map(f64::from));
+        let (mut sum, mut count) = (0.0, 0usize);
+        for face in &self.mesh.faces {
+            let corners = self.mesh.corners_of(face);
+            for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                sum += place(a).distance(place(b));
+                count += 1;
+            }
+        }
+        (sum / count.max(1) as f64) as f32
     }
 
     /// The mesh as it was.

@@ -88,7 +88,7 @@ impl SceneError {
             BadFov(fov) => format!("a field of view of {fov} degrees shows nothing"),
             BadScale(scale) => format!("a scene cannot be scaled by {scale}"),
             EyeInside { what, .. } => format!("the eye is in the {what}"),
-            NoFaces => "the mesh has no faces, so there is nothing to be seen".into(),
+            NoFaces => "the mesh has no faces with an area, so there is nothing to be seen".into(),
             OriginBehind => "the scene's card goes through the origin, which is not before the eye".into(),
             BadText { text, .. } if text.trim().is_empty() => "there is nothing to read".into(),
             BadText { text, .. } => format!("`{text}` cannot be read"),

@@ -143,6 +143,10 @@ impl<'o> Field<'o> {
                 return Err(SolidError::new(message, "It gives a vector of 3."));
             };
             let vector = |i| DVec3::new(f64::from(x[i]), f64::from(y[i]), f64::from(z[i]));
+            if let Some(i) = (0..points.len()).find(|&i| !vector(i).is_finite()) {
+                let message = format!("`{name}` is {} at {}", vector(i), written(points[i]));
+                return Err(SolidError::new(message, "It needs finite numbers: look for a division by 0."));
+            }
             all.extend((0..points.len()).map(vector));
         }
         Ok(all)

@@ -53,6 +53,16 @@ fn lines_grow_from_what_a_scene_shows_and_stay_behind_it() {
     };
     let (inwards, outwards) = (lit("in.pse"), lit("out.pse"));
     assert!(inwards > 0.0 && outwards > 3.0 * inwards, "{inwards} {outwards}");
+    // A file without depth has its points.
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gbuffers/donut_320x180_plain_tiled64.exr");
+    let lit = |program: &str| {
+        f.good(&format!("flow {program} -i {file} --every 4 --step 0.01 -o o.exr -q"));
+        load(&f.path("o.exr")).variable("alpha").expect("alpha").planes[0].iter().sum::<f32>()
+    };
+    f.write("away.pse", "function velocity(p)\n    return 20 * direction(p - [0 0 1e4])\n");
+    f.write("up.pse", "function velocity(p)\n    return -20 * direction(p - [0 0 1e4])\n");
+    let (under, over) = (lit("away.pse"), lit("up.pse"));
+    assert!(over > 1.5 * under, "{over} {under}");
     // The same from a file, whose header knows the camera.
     f.good("scene sphere --size 48x48 -o g.exr");
     f.good("flow out.pse -i g.exr --every 4 --step 0.01 -o p.exr -q");

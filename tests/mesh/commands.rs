@@ -77,3 +77,24 @@ fn deform_from_the_command_line() {
     let (good, said) = run(here, &["deform", "h.01.obj", "-e", "point += 1", "-o", "b.glb"]);
     assert!(good && said.contains("wrote b.glb"), "{said}");
 }
+
+#[test]
+fn a_seam_does_not_tear() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let glb = suzanne("glb");
+    let words = ["-e", "point += 0.2 * normal * turbulence(4 * point)", "-e", "print(point)", "-o", "b.obj"];
+    let (good, said) = run(here, &[&["deform", glb.to_str().unwrap()], &words[..]].concat());
+    assert!(good && said.contains("more lines not shown"), "{said}");
+    let (before, after) = (read(&glb).unwrap().mesh.points, read(&here.join("b.obj")).unwrap().mesh.points);
+    assert_eq!(before.len(), after.len());
+    let mut moved = std::collections::HashMap::new();
+    for (old, new) in before.iter().zip(&after) {
+        assert_eq!(*moved.entry(old.map(f32::to_bits)).or_insert(new), new, "the vertices at {old:?} part");
+    }
+    assert!(moved.len() < before.len());
+    let far = before.iter().zip(&after).filter(|(a, b)| a != b).count();
+    assert!(far > before.len() * 9 / 10, "{far} vertices have moved");
+    let (good, said) = run(here, &["deform", "head", "-e", "point += Du(point)", "-o", "c.obj"]);
+    assert!(!good && said.contains("Vertices have no such neighbours"), "{said}");
+}
