@@ -3,6 +3,7 @@
 #![cfg(unix)]
 
 use std::fs;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -81,6 +82,14 @@ impl Folder {
     fn start(&self, arguments: &str, stdin: Stdio) -> Child {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pse"));
         command.args(arguments.split_whitespace()).current_dir(self.0.path()).stdin(stdin);
+        // Whoever started the tests in the background may have had interrupts ignored, which children inherit.
+        let listen = || {
+            use nix::sys::signal::{SigHandler, Signal, signal};
+            // SAFETY: the default action is no handler that could run at a wrong moment.
+            unsafe { signal(Signal::SIGINT, SigHandler::SigDfl) }.map(drop).map_err(Into::into)
+        };
+        // SAFETY: it calls the system alone, which is allowed between fork and exec.
+        unsafe { command.pre_exec(listen) };
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("pse starts")
     }
 
