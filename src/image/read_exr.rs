@@ -181,8 +181,10 @@ fn union(name: &str, meta: &MetaData, length: u64) -> Result<(i64, i64, usize, u
     if width == 0 || height == 0 {
         return Err(ImageError::damaged(name, "it has no pixels"));
     }
-    // Parts far from one another would make an image of mostly nothing.
-    guard::check_size(name, width, height, 4, length).map_err(|e| match meta.headers.len() {
+    // Each channel becomes numbers for the whole rectangle: of parts far from one another, or of one that lies about its width, an
+    // image of mostly nothing.
+    let channels: u64 = meta.headers.iter().filter(|h| !h.deep).map(|h| h.channels.list.len() as u64).sum();
+    guard::check_size(name, width, height, 4 * channels, length).map_err(|e| match meta.headers.len() {
         1 => e,
         _ => e.hint("The rectangle around the data windows of all its parts is as large as that."),
     })?;

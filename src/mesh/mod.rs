@@ -85,6 +85,7 @@ impl Mesh {
             [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
         }))
     }
+
     /// Turns it so that what pointed along y points along z: from the space of glTF and OBJ to that of scenes.
     pub fn y_up_to_z_up(&mut self) {
         for [_, y, z] in self.points.iter_mut().chain(&mut self.normals) {
