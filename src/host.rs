@@ -1,11 +1,11 @@
 //! Where imported programs and textures come from: the disk for the command, memory for tests and embedders.
 
+use crate::files::{Folders, outside};
 use crate::image::{Input, has_pattern};
 use crate::syntax::MAX_TEXT;
 use crate::texture::Origin;
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
+use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 /// Finds the files that `import` names, and the images that `texture` and its like name.
@@ -101,19 +101,24 @@ pub struct Disk {
 }
 
 impl Disk {
-    /// The import's file, the first that `read` has a text of.
+    /// The import's file, the first that is there. `open_text` gives the text of a document that an editor has open.
     pub(crate) fn find(
         &self,
         importing: &str,
         path: &str,
-        read: &dyn Fn(&Path) -> std::io::Result<String>,
+        open_text: &dyn Fn(&Path) -> Option<String>,
     ) -> Result<(String, String), String> {
         let places = self.places(importing, path);
+        let folders = Folders::new(self.roots(importing));
         for file in &places {
-            match read(file) {
+            let text = match open_text(file) {
+                Some(text) => Ok(text),
+                None => folders.open(file).and_then(read_text),
+            };
+            match text {
                 Ok(text) => return Ok((file.display().to_string(), text)),
-                Err(e) if e.kind() == std::io::ErrorKind::NotFound => {}
-                Err(e) => return Err(format!("{}: {e}", file.display())),
+                Err(e) if e.kind() == ErrorKind::NotFound => {}
+                Err(e) => return Err(format!("{}: {}", file.display(), reason(&e))),
             }
         }
         Err(nowhere(&places))
@@ -125,12 +130,13 @@ impl Disk {
         std::iter::once(beside).chain(self.path.iter().map(PathBuf::as_path)).map(Path::to_path_buf).collect()
     }
 
-    /// Where the file of that name may lie, in the order in which it is looked for: never outside of the folders.
+    /// Where the file of that name may lie, in the order in which it is looked for: never outside of the folders, as far
+    /// as the name says. `..` undoes the folder written before it, whether that is a link or not.
     fn places(&self, program: &str, name: &str) -> Vec<PathBuf> {
         let roots = self.roots(program);
         let allowed: Vec<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
         let mut places = Vec::new();
-        for path in roots.iter().map(|root| root.join(name)) {
+        for path in roots.iter().map(|root| clean(&root.join(name))) {
             let whole = absolute(&path);
             if allowed.iter().any(|root| whole.starts_with(root)) && !places.contains(&path) {
                 places.push(path);
@@ -149,19 +155,31 @@ fn nowhere(places: &[PathBuf]) -> String {
     format!("there is no {}", tried.join(" and no "))
 }
 
+/// Why a file cannot be read, in words that hold for all systems where there are some.
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        ErrorKind::PermissionDenied => "permission denied".into(),
+        ErrorKind::IsADirectory => "it is a directory".into(),
+        ErrorKind::InvalidData => "it is not UTF-8 text".into(),
+        _ => match outside(error) {
+            Some(folder) => format!("{error}; `--path {}` allows it", folder.display()),
+            None => error.to_string(),
+        },
+    }
+}
+
 /// The text of a program. What is too long is none, and is not read to its end.
-pub(crate) fn read_text(from: impl Read) -> std::io::Result<String> {
+pub(crate) fn read_text(from: impl Read) -> io::Result<String> {
     let mut bytes = Vec::new();
     from.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > MAX_TEXT {
         // What is wrong with it is said by who reads the text; the last letter may be cut.
         return Ok(" ".repeat(bytes.len()));
     }
-    String::from_utf8(bytes).map_err(|e| std::io::Error::new(std::io::ErrorKind::InvalidData, e))
+    String::from_utf8(bytes).map_err(|e| io::Error::new(ErrorKind::InvalidData, e))
 }
 
-/// The path without `.` and, as far as folders stand before them, without `..`. Links are not followed: they were
-/// made by who may read more than a program.
+/// The path without `.` and, as far as folders stand before them, without `..`. Links are not followed.
 pub(crate) fn clean(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {
@@ -206,7 +224,7 @@ fn names_in(folder: &Path) -> Vec<String> {
 
 impl Host for Disk {
     fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
-        self.find(importing, path, &|file| File::open(file).and_then(read_text))
+        self.find(importing, path, &|_| None)
     }
 
     fn hint(&self) -> Option<String> {
@@ -214,10 +232,11 @@ impl Host for Disk {
             "A program imports files beside it and below, then from the folders of `--path`, and no others.";
         Some(more.into())
     }
+
     fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
-        let places: Vec<PathBuf> = self.places(program, name).iter().map(|path| clean(path)).collect();
-        let found = places.iter().find(|path| exists(path));
-        found.map(|path| Origin::File(Input::Path(path.clone()))).ok_or_else(|| nowhere(&places))
+        let places = self.places(program, name);
+        let found = places.iter().find(|path| exists(path)).ok_or_else(|| nowhere(&places))?;
+        Ok(Origin::File(Input::Confined { path: found.clone(), folders: Folders::new(self.roots(program)) }))
     }
 
     fn images(&self, program: &str, name: &str) -> Vec<String> {
@@ -226,9 +245,9 @@ impl Host for Disk {
         let image =
             |n: &String| n.rsplit_once('.').is_some_and(|(_, e)| ENDINGS.contains(&&*e.to_lowercase()));
         let roots = self.roots(program);
-        let allowed: Vec<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
-        let folders = roots.iter().map(|root| clean(&root.join(folder)));
-        let mine = folders.filter(|f| allowed.iter().any(|root| absolute(f).starts_with(root)));
+        let allowed = Folders::new(&roots);
+        let folders = roots.iter().map(|root| absolute(&root.join(folder)));
+        let mine = folders.filter(|folder| allowed.resolve(folder).is_ok());
         mine.flat_map(|f| names_in(&f)).filter(image).map(|n| folder.join(n).display().to_string()).collect()
     }
 

@@ -7,6 +7,7 @@ pub mod builtin;
 pub mod cli;
 pub mod diagnostic;
 pub mod eval;
+pub mod files;
 pub mod flow;
 pub mod host;
 pub mod image;

@@ -12,6 +12,8 @@ use std::time::{Duration, Instant};
 mod files;
 #[path = "faults/memory.rs"]
 mod memory;
+#[path = "faults/named.rs"]
+mod named;
 #[path = "faults/samples.rs"]
 mod samples;
 
@@ -306,7 +308,8 @@ fn a_program_reads_nothing_that_it_was_not_given() {
     if Path::new("/dev/zero").exists() {
         f.good("ln -s /dev/zero a/endless.pse");
         import("endless.pse");
-        f.bad(&format!("ulimit -v 2000000; {run}"), &["longer than 16 MiB"]);
+        f.bad(&format!("ulimit -v 2000000; {run}"), &["links lead to `/dev/zero`"]);
+        f.bad(&format!("ulimit -v 2000000; {run} --path /dev"), &["it is a device"]);
         f.bad("ulimit -v 2000000; pse check a/endless.pse", &["longer than 16 MiB"]);
         f.bad("ulimit -v 2000000; pse check - < /dev/zero", &["longer than 16 MiB"]);
     }

@@ -99,6 +99,11 @@ impl File {
         self.input.name()
     }
 
+    /// How many bytes the file has.
+    pub(crate) fn length(&self) -> Result<u64, ImageError> {
+        Ok(self.input.open()?.1)
+    }
+
     /// Columns and rows of the pixels held: the data window (of several parts, the rectangle around
     /// all of theirs; outside its own window a part's channels read 0).
     pub fn size(&self) -> [usize; 2] {

@@ -12,6 +12,63 @@ const FREE: u64 = 256 << 20;
 /// No honest G-buffer is packed more tightly (deflate ends at 1032 to 1, the wavelet coders go further).
 const RATIO: u64 = 20_000;
 
+/// What is decoded as a whole may become this many bytes of floats however short its file is: a picture of 4096 x 4096
+/// pixels with alpha.
+const WHOLE: u64 = 256 << 20;
+
+/// And so many for each byte of the file. Photographs have less than 100; a single colour is packed more tightly, but
+/// nobody needs 30 million pixels of it.
+const WHOLE_RATIO: u64 = 1000;
+
+/// Deflate packs at most 258 bytes into 2 bits (RFC 1951), so 1032 bytes into one.
+const DEFLATE_RATIO: u64 = 1032;
+
+/// Checks what an image that is decoded as a whole becomes, beside the length of its file.
+pub(crate) fn check_decoded(
+    file: &str,
+    [width, height]: [u64; 2],
+    channels: u64,
+    file_bytes: u64,
+) -> Result<(), ImageError> {
+    let floats = width.saturating_mul(height).saturating_mul(channels).saturating_mul(4);
+    match floats <= WHOLE.max(file_bytes.saturating_mul(WHOLE_RATIO)) {
+        true => Ok(()),
+        false => Err(ImageError::new(
+            ErrorKind::TooLarge,
+            format!(
+                "`{file}` has {file_bytes} bytes, but would become {width} x {height} pixels in memory at once"
+            ),
+        )
+        .hint("Store it as EXR, or as PNG without interlacing: these are read row by row.")),
+    }
+}
+
+/// A texture's tiles may take this many bytes of the temporary folder however short its file is.
+const TILES: u64 = 4 << 30;
+
+/// And so many for each byte of the file.
+const TILES_RATIO: u64 = 1000;
+
+/// Checks how much a texture that does not fit in memory takes in a temporary file.
+pub(crate) fn check_tiles(name: &str, tile_bytes: u64, file_bytes: u64) -> Result<(), ImageError> {
+    match tile_bytes <= TILES.max(file_bytes.saturating_mul(TILES_RATIO)) {
+        true => Ok(()),
+        false => Err(ImageError::new(
+            ErrorKind::TooLarge,
+            format!(
+                "`{name}` has {file_bytes} bytes, but its tiles would take {} MB in a temporary file",
+                tile_bytes >> 20
+            ),
+        )
+        .hint("Use a smaller picture, or more memory for textures (--texture-memory).")),
+    }
+}
+
+/// Whether a PNG file of so many bytes can hold rows of so many bits.
+pub(crate) fn fits_deflate(row_bits: u64, height: u64, file_bytes: u64) -> bool {
+    row_bits.div_ceil(8).saturating_mul(height) <= file_bytes.saturating_mul(DEFLATE_RATIO)
+}
+
 /// Is it believable that a file of `file_bytes` holds `pixel_bytes` of pixels?
 pub(crate) fn check_size(
     file: &str,

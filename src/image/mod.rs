@@ -9,7 +9,7 @@ mod bind;
 pub mod color;
 mod error;
 mod file;
-mod guard;
+pub(crate) mod guard;
 mod info;
 mod names;
 mod read_exr;

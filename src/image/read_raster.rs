@@ -74,6 +74,9 @@ impl Raster {
             ImageFormat::Png => rows_of_png(input, &name)?,
             _ => Some("only EXR and PNG are decoded row by row"),
         };
+        if whole.is_some() {
+            guard::check_decoded(&name, [width, height], u64::from(color.channel_count()), length)?;
+        }
         Ok(Raster { size: [size.0 as usize, size.1 as usize], format, whole, kind, color, raw, limit })
     }
 

@@ -98,11 +98,18 @@ impl<'f> RasterScan<'f> {
 
 /// Is it a PNG whose rows stand one after another? Else why not.
 pub(super) fn rows_of_png(input: &Input, name: &str) -> Result<Option<&'static str>, ImageError> {
-    let (reader, _) = input.open()?;
+    let (reader, length) = input.open()?;
     let mut decoder = decoder(reader, 64 << 20);
-    let interlaced = guard::contain(|| decoder.read_header_info().map(|about| about.interlaced))
+    let header = |about: &png::Info<'_>| {
+        let row = about.bits_per_pixel() as u64 * u64::from(about.width);
+        (about.interlaced, guard::fits_deflate(row, about.height.into(), length))
+    };
+    let (interlaced, fits) = guard::contain(|| decoder.read_header_info().map(header))
         .ok_or_else(|| ImageError::damaged(name, "its header makes no sense"))?
         .map_err(|e| explain_png(name, e))?;
+    if !fits {
+        return Err(ImageError::damaged(name, "it ends too early"));
+    }
     Ok(interlaced.then_some("the rows of an interlaced PNG are complete at its end only"))
 }
 

@@ -2,7 +2,8 @@
 //! temporary file if it is much.
 
 use super::atomic::{KEPT, temporary_folder};
-use super::error::ImageError;
+use super::error::{ErrorKind, ImageError};
+use crate::files::{self, Folders};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -14,6 +15,13 @@ use std::time::SystemTime;
 pub enum Input {
     /// A file, opened anew for each pass over it.
     Path(PathBuf),
+    /// A file that a program names: a regular one in these folders, wherever links lead.
+    Confined {
+        /// The file.
+        path: PathBuf,
+        /// Where it may lie.
+        folders: Folders,
+    },
     /// Bytes in memory.
     Bytes {
         /// What messages call it.
@@ -31,6 +39,9 @@ pub enum Input {
         length: u64,
     },
 }
+
+/// The most bytes of a pipe that are kept in a temporary file.
+const MAX_SPOOLED: u64 = 32 << 30;
 
 /// What tells a file from another one that has taken its place, or has been written to.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,13 +71,23 @@ impl Input {
     /// All that `reader` gives until its end.
     ///
     /// # Errors
-    /// If reading fails.
-    pub fn from_reader(name: &str, mut reader: impl Read) -> Result<Input, ImageError> {
+    /// If reading fails, or there is no end: what is longer than 64 MB has to begin as an image does, and 32 GB are the
+    /// limit.
+    pub fn from_reader(name: &str, reader: impl Read) -> Result<Input, ImageError> {
+        Input::spooled(name, reader, KEPT, MAX_SPOOLED)
+    }
+
+    /// The same, with so many bytes in memory, and so many altogether.
+    fn spooled(name: &str, mut reader: impl Read, kept: usize, limit: u64) -> Result<Input, ImageError> {
         let read = |e: io::Error| ImageError::io("read", name, &e);
         let mut bytes = Vec::new();
-        reader.by_ref().take(KEPT as u64).read_to_end(&mut bytes).map_err(read)?;
-        if bytes.len() < KEPT {
+        reader.by_ref().take(kept as u64).read_to_end(&mut bytes).map_err(read)?;
+        if bytes.len() < kept {
             return Ok(Input::Bytes { name: name.to_string(), bytes: bytes.into() });
+        }
+        if !begins_as_image(name, &bytes) {
+            let message = format!("`{name}` is no image of a format that is read");
+            return Err(ImageError::new(ErrorKind::UnknownFormat, message));
         }
         let keep = |e: io::Error| {
             ImageError::io("write", "a temporary file for standard input", &e)
@@ -77,6 +98,11 @@ impl Input {
         while !bytes.is_empty() {
             file.write_all(&bytes).map_err(keep)?;
             length += bytes.len() as u64;
+            if length > limit {
+                let message = format!("`{name}` is too long: of a pipe, {} MB are read at most", limit >> 20);
+                return Err(ImageError::new(ErrorKind::TooLarge, message)
+                    .hint("Write it to a file, and give that with -i."));
+            }
             bytes.clear();
             reader.by_ref().take(1 << 20).read_to_end(&mut bytes).map_err(read)?;
         }
@@ -91,8 +117,24 @@ impl Input {
     /// What messages call it.
     pub fn name(&self) -> String {
         match self {
-            Input::Path(path) => path.display().to_string(),
+            Input::Path(path) | Input::Confined { path, .. } => path.display().to_string(),
             Input::Bytes { name, .. } | Input::Spooled { name, .. } => name.clone(),
+        }
+    }
+
+    /// The path, if it is a file's.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Input::Path(path) | Input::Confined { path, .. } => Some(path),
+            Input::Bytes { .. } | Input::Spooled { .. } => None,
+        }
+    }
+
+    /// Another file in the place of this one, such as another frame of a sequence.
+    pub(crate) fn with_path(&self, path: PathBuf) -> Input {
+        match self {
+            Input::Confined { folders, .. } => Input::Confined { path, folders: folders.clone() },
+            _ => Input::Path(path),
         }
     }
 
@@ -104,8 +146,7 @@ impl Input {
 
     /// The file as it is now; `None` for bytes in memory, and where there is no file.
     pub(crate) fn stamp(&self) -> Option<Stamp> {
-        let Input::Path(path) = self else { return None };
-        let about = std::fs::metadata(path).ok()?;
+        let about = std::fs::metadata(self.path()?).ok()?;
         #[cfg(unix)]
         use std::os::unix::fs::MetadataExt;
         Some(Stamp {
@@ -124,30 +165,43 @@ impl Input {
                 let spool = Spool { file: Arc::clone(file), at: 0, length: *length };
                 Ok((Box::new(BufReader::with_capacity(1 << 17, spool)), *length))
             }
-            Input::Path(path) => {
-                let fail = |e: io::Error| ImageError::io("read", &self.name(), &e);
-                let file = File::open(path).map_err(fail)?;
-                let about = file.metadata().map_err(fail)?;
-                if about.is_dir() {
-                    return Err(fail(io::ErrorKind::IsADirectory.into()));
-                }
-                Ok((Box::new(BufReader::with_capacity(1 << 17, file)), about.len()))
+            Input::Path(path) | Input::Confined { path, .. } => {
+                let fail = |e: io::Error| {
+                    let error = ImageError::io("read", &self.name(), &e);
+                    match files::outside(&e) {
+                        Some(folder) => error.hint(format!("Allow its folder: --path {}", folder.display())),
+                        None => error,
+                    }
+                };
+                let file = match self {
+                    Input::Confined { folders, .. } => folders.open(path),
+                    _ => files::regular(path),
+                };
+                let file = file.map_err(fail)?;
+                let length = file.metadata().map_err(fail)?.len();
+                Ok((Box::new(BufReader::with_capacity(1 << 17, file)), length))
             }
         }
     }
 
-    /// The same input, able to go back: a pipe or a device is read into memory.
+    /// The same input, able to go back: a pipe that the user names is read to its end. A device has none.
     pub(crate) fn seekable(self) -> Result<Input, ImageError> {
         if let Input::Path(path) = &self {
             let special = std::fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir());
             if special {
                 let name = self.name();
-                let file = File::open(path).map_err(|e| ImageError::io("read", &name, &e))?;
+                let file = files::given(path).map_err(|e| ImageError::io("read", &name, &e))?;
                 return Input::from_reader(&name, file);
             }
         }
         Ok(self)
     }
+}
+
+/// Whether these first bytes are those of an image, as far as that can be told: TGA files have no mark there.
+fn begins_as_image(name: &str, bytes: &[u8]) -> bool {
+    let tga = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
+    tga || bytes.starts_with(&super::read_exr::MAGIC) || ::image::guess_format(bytes).is_ok()
 }
 
 /// A reader of a temporary file that others read too.
@@ -187,7 +241,8 @@ mod tests {
     fn much_goes_into_a_temporary_file() {
         let length = KEPT as u64 + (3 << 20) + 7;
         let bytes = |at: u64| (at.wrapping_mul(0x9e37_79b9) >> 24) as u8;
-        let block: Vec<u8> = (0..1 << 16).map(bytes).collect();
+        let mut block: Vec<u8> = (0..1 << 16).map(bytes).collect();
+        block[..4].copy_from_slice(&super::super::read_exr::MAGIC);
         let endless = block.iter().cycle().copied().take(length as usize);
         let input = Input::from_reader("a", Feed(endless)).unwrap();
         assert!(matches!(input, Input::Spooled { .. }));
@@ -204,6 +259,20 @@ mod tests {
         }
         assert_eq!(reader.read(&mut [0; 9]).unwrap(), 0, "the end");
         assert!(reader.seek(SeekFrom::Current(-1 - length as i64)).is_err());
+    }
+
+    #[test]
+    fn pipes_without_an_end_are_refused() {
+        let error = Input::spooled("a", io::repeat(0), 1 << 10, 1 << 20).unwrap_err();
+        assert_eq!(error.kind, ErrorKind::UnknownFormat);
+        let exr = || Cursor::new(super::super::read_exr::MAGIC).chain(io::repeat(0));
+        let error = Input::spooled("a", exr(), 1 << 10, 1 << 20).unwrap_err();
+        assert_eq!(error.message, "`a` is too long: of a pipe, 1 MB are read at most");
+        let length = (1 << 20) - 5;
+        assert!(matches!(
+            Input::spooled("a", exr().take(length), 1 << 10, 1 << 20),
+            Ok(Input::Spooled { .. })
+        ));
     }
 
     /// Bytes as they come out of a pipe.

@@ -4,12 +4,14 @@
 //! bytes to be there, and stop the program where they are not. Here every range is looked at before it is read.
 
 use super::read::{Wrong, reserve};
+use crate::files::{self, Folders};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use gltf::accessor::DataType;
 use gltf::buffer;
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 /// Values of an accessor without bytes of its own, all of which are 0; only a file that is made to hurt has more.
@@ -27,7 +29,7 @@ impl<'a> Buffers<'a> {
         for buffer in document.buffers() {
             let bytes = match buffer.source() {
                 buffer::Source::Bin => Cow::Borrowed(own.ok_or("its binary piece is missing")?),
-                buffer::Source::Uri(uri) => Cow::Owned(fetch(uri, path)?),
+                buffer::Source::Uri(uri) => Cow::Owned(fetch(uri, path, buffer.length())?),
             };
             if bytes.len() < buffer.length() {
                 let (has, index) = (bytes.len(), buffer.index());
@@ -138,26 +140,36 @@ fn beside(uri: &str, path: &Path) -> Result<PathBuf, Wrong> {
     Ok(path.parent().unwrap_or(Path::new("")).join(name))
 }
 
+/// The longest .gltf file of which the companions are looked for.
+const MAX_JSON: u64 = 1 << 30;
+
 /// The files that a .gltf file names for its data, as far as it can be read.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
-    let Ok(text) = std::fs::read(path) else { return Vec::new() };
+    let text = files::regular(path).and_then(|file| files::read_all(file, MAX_JSON));
+    let Ok(text) = text else { return Vec::new() };
     let Ok(root) = gltf::json::deserialize::from_slice::<gltf::json::Root>(&text) else { return Vec::new() };
     let uris = root.buffers.iter().filter_map(|b| b.uri.as_deref()).filter(|uri| !uri.starts_with("data:"));
     uris.filter_map(|uri| beside(uri, path).ok()).collect()
 }
 
-/// The bytes that a URI stands for: those in it, or those of a file beside the one at `path`. Nothing is fetched from
-/// elsewhere.
-fn fetch(uri: &str, path: &Path) -> Result<Vec<u8>, Wrong> {
+/// The bytes that a URI stands for, `length` at most if it is a file's: those in it, or those of a regular file beside the
+/// one at `path`. Nothing is fetched from elsewhere, by links either.
+fn fetch(uri: &str, path: &Path, length: usize) -> Result<Vec<u8>, Wrong> {
     if let Some(data) = uri.strip_prefix("data:") {
         let text = data.split_once(";base64,").map(|(_, text)| text);
         let text = text.ok_or("a buffer is in the file, but not as base64")?;
         return BASE64_STANDARD.decode(text).map_err(|e| format!("a buffer in the file is no base64: {e}"));
     }
     let file = beside(uri, path)?;
-    let about = std::fs::metadata(&file).map_err(|e| format!("its data are in `{}`: {e}", file.display()))?;
-    if !about.is_file() {
-        return Err(format!("its data are in `{}`, which is no file", file.display()));
-    }
-    std::fs::read(&file).map_err(|e| format!("its data are in `{}`: {e}", file.display()))
+    let fail = |e: std::io::Error| format!("its data are in `{}`: {e}", file.display());
+    let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let mut folders = vec![folder(path)];
+    // A mesh that is a link may have its data beside the link or beside the file.
+    folders.extend(path.canonicalize().ok().map(|real| folder(&real)));
+    let source = Folders::new(folders).open(&file).map_err(fail)?;
+    let available = source.metadata().map_err(fail)?.len().min(length as u64) as usize;
+    let mut bytes = Vec::new();
+    reserve(&mut bytes, available)?;
+    source.take(available as u64).read_to_end(&mut bytes).map_err(fail)?;
+    Ok(bytes)
 }

@@ -1,9 +1,15 @@
 //! Reading a mesh, whatever its format.
 
 use super::{Format, Mesh, read_gltf, read_obj, read_ply};
+use crate::files;
 use crate::image::{ErrorKind, ImageError};
-use std::fs;
 use std::path::Path;
+
+/// The most bytes of a mesh's file, which is read as a whole.
+const MAX_BYTES: u64 = 16 << 30;
+
+/// The most bytes of a mesh that comes from a pipe, whose end cannot be seen.
+const MAX_PIPED: u64 = 1 << 30;
 
 /// A mesh that was read.
 #[derive(Clone, Debug)]
@@ -40,7 +46,11 @@ pub(super) type Wrong = String;
 /// If the file cannot be read, is damaged, or holds what is not supported.
 pub fn read(path: &Path, progress: &dyn Fn(usize, usize)) -> Result<File, ImageError> {
     let shown = path.display().to_string();
-    let bytes = fs::read(path).map_err(|e| ImageError::io("read", &shown, &e))?;
+    let bytes = files::given(path).and_then(|file| {
+        let limit = if file.metadata()?.is_file() { MAX_BYTES } else { MAX_PIPED };
+        files::read_all(file, limit)
+    });
+    let bytes = bytes.map_err(|e| ImageError::io("read", &shown, &e))?;
     let format = format_of(path, &bytes)?;
     let mut source = Source { path, bytes: &bytes, progress, notes: Vec::new() };
     let mesh = match format {

@@ -7,7 +7,7 @@ use super::texels::Texels;
 use super::wanted::{Known, Wanted, known, wanted, wanted_of};
 use super::{Layout, Needs, Texture, bytes, sphere};
 use crate::image::{
-    ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, fill, has_pattern, read,
+    ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, fill, guard, has_pattern, read,
 };
 use std::borrow::Cow;
 use std::fmt;
@@ -58,10 +58,10 @@ impl Source {
     /// Would both be read alike?
     pub fn same(&self, other: &Source) -> bool {
         let origin = match (&self.origin, &other.origin) {
-            (Origin::File(Input::Path(a)), Origin::File(Input::Path(b))) => a == b,
             (Origin::File(Input::Bytes { bytes: a, .. }), Origin::File(Input::Bytes { bytes: b, .. })) => {
                 Arc::ptr_eq(a, b)
             }
+            (Origin::File(a), Origin::File(b)) => a.path().is_some() && a.path() == b.path(),
             (Origin::Image(a), Origin::Image(b)) => Arc::ptr_eq(a, b),
             _ => false,
         };
@@ -82,11 +82,12 @@ impl Source {
     /// # Errors
     /// If the name has a place for the frame's number and that is not whole.
     pub fn path(&self, frame: f32) -> Result<Option<PathBuf>, ImageError> {
-        let Origin::File(Input::Path(path)) = &self.origin else { return Ok(None) };
+        let Origin::File(input) = &self.origin else { return Ok(None) };
+        let Some(path) = input.path() else { return Ok(None) };
         let name = path.file_name().map_or(Cow::default(), |name| name.to_string_lossy());
         // A file may well be called so.
         if !has_pattern(&name) || path.exists() {
-            return Ok(Some(path.clone()));
+            return Ok(Some(path.to_path_buf()));
         }
         if frame.fract() != 0.0 || !frame.is_finite() {
             let message =
@@ -137,7 +138,7 @@ impl Source {
                 let wanted = wanted(&self.name, &known, self.channel.as_deref())?;
                 return self.checked(Opened { pixels: Pixels::Memory(image), wanted });
             }
-            (Origin::File(_), Some(path)) => Input::Path(path),
+            (Origin::File(input), Some(path)) => input.with_path(path),
             (Origin::File(input), None) => input.clone(),
         };
         let mut options = ReadOptions { maps: Vec::new(), raw: self.raw };
@@ -175,7 +176,18 @@ impl Source {
         let cube = sphere::sides(w, h).filter(|_| self.layout == Layout::Cube);
         let (size, sides) = cube.map_or(([w, h], 1), |(n, _)| ([n, n], 6));
         let whole = bytes([size[0], sides * size[1]], shape.cells(), self.needs) <= most;
-        let store = if whole { None } else { Some(Arc::new(Store::new(tiles)?)) };
+        let store = match whole {
+            true => None,
+            false => {
+                let length = opened.file_bytes()?;
+                guard::check_tiles(
+                    &self.name,
+                    bytes([size[0], sides * size[1]], shape.cells(), self.needs),
+                    length,
+                )?;
+                Some(Arc::new(Store::new(tiles)?))
+            }
+        };
         let mut growing = Growing::new(size, sides, shape.cells(), self.needs, store.as_ref())?;
         // The sides of a cube may stand beside each other: what is not in memory then is decoded for each of them.
         let mut texels = Texels::new(opened, whole && cube.is_some());
@@ -214,6 +226,14 @@ pub(super) enum Pixels<'a> {
 }
 
 impl Opened<'_> {
+    /// The length of its file; of an image in memory, no file lies about it.
+    fn file_bytes(&self) -> Result<u64, ImageError> {
+        match &self.pixels {
+            Pixels::File(file) => file.length(),
+            Pixels::Memory(_) => Ok(u64::MAX),
+        }
+    }
+
     pub fn resolution(&self) -> [usize; 2] {
         match &self.pixels {
             Pixels::File(file) => file.metadata().resolution.unwrap_or(file.size()),

@@ -3,7 +3,7 @@
 use super::position::{Encoding, Lines};
 use super::uri;
 use crate::assist::Reading;
-use crate::host::{Disk, Host, clean, read_text};
+use crate::host::{Disk, Host, clean};
 use crate::texture::Origin;
 use gen_lsp_types::{Position, TextDocumentContentChangeEvent as Change, Uri};
 use std::collections::BTreeMap;
@@ -139,12 +139,8 @@ pub(super) struct Overlay<'a> {
 impl Host for Overlay<'_> {
     fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
         self.disk.find(importing, path, &|file| {
-            let wanted = clean(file);
-            let open = self.documents.values().find(|d| clean(Path::new(&d.name)) == wanted);
-            open.map_or_else(
-                || std::fs::File::open(file).and_then(read_text),
-                |document| Ok(document.text.clone()),
-            )
+            let open = self.documents.values().find(|d| clean(Path::new(&d.name)) == *file);
+            open.map(|document| document.text.clone())
         })
     }
 

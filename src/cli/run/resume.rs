@@ -5,9 +5,9 @@ use super::plan::{Frame, Output, Plan, textures, values};
 use crate::cli::failure::Failure;
 use crate::cli::frames;
 use crate::cli::model;
+use crate::files;
 use crate::image::is_whole;
 use std::collections::HashMap;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// The hashes of files that were looked at: a picture that serves all frames is read once.
@@ -21,7 +21,7 @@ impl Hashes {
             return Some(*hash);
         }
         let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(File::open(path).ok()?).ok()?;
+        hasher.update_reader(files::regular(path).ok()?).ok()?;
         let hash = hasher.finalize();
         self.0.insert(path.to_path_buf(), hash);
         Some(hash)
