@@ -8,6 +8,11 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
 
+#[path = "view/files.rs"]
+mod files;
+#[path = "view/requests.rs"]
+mod requests;
+
 /// A preview of a program in a folder of its own.
 struct Preview {
     folder: TempDir,
@@ -60,7 +65,12 @@ impl Preview {
     }
 
     fn of(folder: TempDir, arguments: &[&str]) -> Preview {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_pse"))
+        Preview::by(Command::new(env!("CARGO_BIN_EXE_pse")), folder, arguments)
+    }
+
+    /// A preview of a command that runs `pse` with the arguments that follow.
+    fn by(mut command: Command, folder: TempDir, arguments: &[&str]) -> Preview {
+        let mut child = command
             .args(["view", "p.pse", "--size", "32x24"])
             .args(arguments)
             .current_dir(folder.path())

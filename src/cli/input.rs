@@ -9,7 +9,7 @@ use crate::scene::Renderer;
 use crate::solid::Isosurface;
 use clap::Args;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// `FILE`, or `NAME=FILE` for an image whose variables are called `NAME.…`.
@@ -228,6 +228,17 @@ impl Inputs {
         raw: bool,
         frame: Option<i64>,
     ) -> Result<Inputs, Failure> {
+        Inputs::open_by(args, maps, raw, frame, Input::from_argument)
+    }
+
+    /// The same, where `source` says how to read the file of a path.
+    pub fn open_by(
+        args: &[InputArg],
+        maps: &[MapArg],
+        raw: bool,
+        frame: Option<i64>,
+        source: impl Fn(&Path) -> Result<Input, ImageError>,
+    ) -> Result<Inputs, Failure> {
         for map in maps {
             if !args.iter().any(|a| a.name == map.image) {
                 let image = map.image.as_ref().map_or("no unnamed input".into(), |i| format!("no input {i}"));
@@ -245,7 +256,7 @@ impl Inputs {
             let path: PathBuf = frame.map_or_else(|| arg.path.clone(), |f| frames::fill(&arg.path, f)).into();
             let own = |m: &&MapArg| m.image == arg.name;
             let maps = maps.iter().filter(own).map(|m| m.mapping.clone()).collect();
-            let file = read(Input::from_argument(&path)?, &ReadOptions { maps, raw })
+            let file = read(source(&path)?, &ReadOptions { maps, raw })
                 .map_err(|error| of_sequence(error.into(), &path.to_string_lossy()))?;
             list.push(Opened { name: arg.name.clone(), file });
         }

@@ -1,6 +1,9 @@
 //! `pse view`: a program's picture in the browser, drawn anew at every change of what it is made of.
 
+mod connections;
+mod disk;
 mod http;
+mod opening;
 mod render;
 mod server;
 mod session;
@@ -13,6 +16,7 @@ use super::failure::{Failure, print, warn};
 use super::input::ImageArgs;
 use super::run::{LimitArgs, set, space};
 use clap::Args;
+use disk::OnDisk;
 use server::Server;
 use session::Session;
 use source::Pictures;
@@ -53,7 +57,7 @@ pub(super) struct PreviewArgs {
     /// The port of the page's address; 0 takes one that is free
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     port: u16,
-    /// Open the page in the browser
+    /// Open the page in the browser, by an address that works once
     #[arg(long)]
     open: bool,
     #[command(flatten)]
@@ -89,17 +93,18 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
     let server = Server::bind(args.port, Arc::clone(&session))?;
     let watcher = watch::Watcher::new(Arc::clone(&session));
     let address = server.address();
+    let opened = if args.open { Some(server.one_time_address()?) } else { None };
     // The address is what the command gives; the rest is said beside it.
     print(&format!("{address}\n"))?;
     if io::stdout().is_terminal() {
         warn("open this address in a browser; Ctrl-C ends it");
     }
-    if args.open
-        && let Err(error) = open::that_detached(&address)
+    std::thread::spawn(move || server.serve());
+    if let Some(address) = opened
+        && let Err(error) = open::that_detached(address)
     {
         warn(&format!("cannot open a browser: {error}"));
     }
-    std::thread::spawn(move || server.serve());
     let clock = Arc::clone(&session);
     std::thread::spawn(move || clock.end_what_is_late());
     render::for_ever(&session, pictures, watcher)
@@ -112,8 +117,10 @@ fn program(path: &Path) -> Result<Option<String>, Failure> {
             .hint("Give a file: pse view marble.pse"));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if !path.exists() && folder.is_none_or(Path::is_dir) {
-        return Ok(None);
+    match OnDisk::read(path) {
+        OnDisk::Missing if folder.is_none_or(Path::is_dir) => Ok(None),
+        OnDisk::NoFile { why } => Err(Failure::plain(format!("cannot read `{}`: {why}", path.display()))
+            .hint("A preview saves its program, so that has to be a file.")),
+        _ => super::source::read(path).map(|(_, text)| Some(text)),
     }
-    super::source::read(path).map(|(_, text)| Some(text))
 }

@@ -1,6 +1,8 @@
 //! The server of the page: on this machine alone, for whoever has the address with its token.
 
+use super::connections::{Connections, Stranger};
 use super::http::{self, Request, Response};
+use super::opening::Opening;
 use super::session::{Ran, Session};
 use super::token::token;
 use crate::assist::Reading;
@@ -12,7 +14,7 @@ use crate::program::{RunOptions, TraceOptions};
 use crate::reference;
 use half::slice::HalfFloatSliceExt;
 use serde_json::{Value, json};
-use std::io::{self, Write};
+use std::io;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
@@ -23,6 +25,12 @@ pub(super) const COMPONENTS: usize = 4;
 
 /// So often a page hears something, so that one that is gone is noticed.
 const ALIVE: Duration = Duration::from_secs(10);
+
+/// How long a connection that could not be taken has to wait: the system has no room for it yet.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// Where the path of the address for `--open` begins.
+const ONCE: &str = "/once-";
 
 /// What the page is made of, by name and kind.
 const PAGE: [(&str, &str, &str); 9] = [
@@ -47,6 +55,8 @@ pub(super) struct Server {
     session: Arc<Session>,
     port: u16,
     token: String,
+    connections: Arc<Connections>,
+    opening: Opening,
 }
 
 /// What goes back, or a status and why.
@@ -61,7 +71,8 @@ impl Server {
         };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(fail)?;
         let port = listener.local_addr().map_err(fail)?.port();
-        Ok(Server { listener, session, port, token: token()? })
+        let (connections, opening) = (Arc::default(), Opening::default());
+        Ok(Server { listener, session, port, token: token()?, connections, opening })
     }
 
     /// Where the page is.
@@ -69,51 +80,77 @@ impl Server {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
 
+    /// An address for the browser's command line, which leads to the page once.
+    pub fn one_time_address(&self) -> Result<String, Failure> {
+        Ok(format!("http://127.0.0.1:{}{ONCE}{}", self.port, self.opening.token()?))
+    }
+
     /// Answers for ever, each request in a thread of its own.
-    pub fn serve(self) {
+    pub fn serve(self) -> ! {
         let server = Arc::new(self);
-        while let Ok((stream, _)) = server.listener.accept() {
-            let server = Arc::clone(&server);
-            // Where there is no thread for it, the browser asks again.
-            let _ =
-                std::thread::Builder::new().name("answer".into()).spawn(move || server.connection(stream));
+        loop {
+            let taken = server.listener.accept().and_then(|(stream, _)| {
+                let stranger = server.connections.enter(stream);
+                let server = Arc::clone(&server);
+                let thread = std::thread::Builder::new().name("answer".into());
+                thread.spawn(move || server.connection(&stranger)).map(drop)
+            });
+            // Too many open files, too little memory, no thread, or a connection that went away: none of them lasts.
+            if taken.is_err() {
+                server.connections.make_room();
+                std::thread::sleep(PAUSE);
+            }
         }
     }
 
-    fn connection(&self, mut stream: TcpStream) {
-        let request = match http::read(&mut stream) {
-            Ok(request) => request,
-            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
-                return send(&mut stream, Err((400, error.to_string())));
-            }
+    fn connection(&self, stranger: &Stranger) {
+        let stream = &stranger.stream;
+        let answer = match http::read_head(stream) {
+            Ok(mut request) => match self.own(&request).map(str::to_string) {
+                Ok(path) => match stranger.admit() {
+                    Some(_page) if path == "events" => return self.events(stream),
+                    // It is counted until the answer is made.
+                    Some(_page) => self.answer(stream, &mut request, &path),
+                    None => Err((503, "too many pages are open".into())),
+                },
+                Err((status, why)) => self.redirect(&request).ok_or((status, why.to_string())),
+            },
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => Err((400, error.to_string())),
             // Nobody waits for an answer.
             Err(_) => return,
         };
-        let answer = match self.own(&request) {
-            Err((status, why)) => Err((status, why.to_string())),
-            Ok("events") => return self.events(stream),
-            Ok(path) => match request.method.as_str() {
-                "GET" => self.get(path, &request.query),
-                "POST" => serde_json::from_slice(&request.body)
-                    .map_err(|error| (400, format!("that is no JSON: {error}")))
-                    .and_then(|body| self.post(path, &body)),
-                _ => Err((405, "only GET and POST".into())),
-            },
-        };
-        send(&mut stream, answer);
+        send(stream, answer);
+    }
+
+    /// Answers a page.
+    fn answer(&self, stream: &TcpStream, request: &mut Request, path: &str) -> Answer {
+        match request.method.as_str() {
+            "GET" => self.get(path, &request.query),
+            "POST" => {
+                let body = http::read_body(stream, request).map_err(|error| (400, error.to_string()))?;
+                let body = serde_json::from_slice(&body);
+                self.post(path, &body.map_err(|error| (400, format!("that is no JSON: {error}")))?)
+            }
+            _ => Err((405, "only GET and POST".into())),
+        }
+    }
+
+    /// Leads from the address of `--open` to the page, once.
+    fn redirect(&self, request: &Request) -> Option<Response> {
+        let token = request.path.strip_prefix(ONCE)?;
+        let page = request.method == "GET" && self.is_own_page(request).is_ok() && self.opening.redeem(token);
+        page.then(|| {
+            let mut response = response(Vec::new(), "text/plain");
+            response.status = 303;
+            response.headers.push(("Location", self.address()));
+            response
+        })
     }
 
     /// The path behind the token, of a request that may be answered. A page of somebody else's that leads a name of its
     /// own to this machine sends that name as the host.
     fn own<'r>(&self, request: &'r Request) -> Result<&'r str, (u16, &'static str)> {
-        let hosts = [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)];
-        if !request.host.as_ref().is_some_and(|host| hosts.contains(host)) {
-            return Err((403, "this server is for this machine alone"));
-        }
-        let foreign = |origin: &String| !hosts.iter().any(|own| origin.strip_prefix("http://") == Some(own));
-        if request.origin.as_ref().is_some_and(foreign) {
-            return Err((403, "this server is for its own page alone"));
-        }
+        self.is_own_page(request)?;
         let rest = request.path.strip_prefix('/').and_then(|p| p.strip_prefix(self.token.as_str()));
         match rest.and_then(|rest| rest.strip_prefix('/')) {
             Some(rest) => Ok(rest),
@@ -121,10 +158,22 @@ impl Server {
         }
     }
 
+    /// Whether a request means this server, and comes from no page but its own.
+    fn is_own_page(&self, request: &Request) -> Result<(), (u16, &'static str)> {
+        if !request.host.as_ref().is_some_and(|host| is_own_host(host, self.port)) {
+            return Err((403, "this server is for this machine alone"));
+        }
+        let own = |origin: &String| origin.strip_prefix("http://").is_some_and(|o| is_own_host(o, self.port));
+        match request.origin.as_ref().is_none_or(own) {
+            true => Ok(()),
+            false => Err((403, "this server is for its own page alone")),
+        }
+    }
+
     fn get(&self, path: &str, query: &str) -> Answer {
         if let Some((_, kind, text)) = PAGE.iter().find(|(name, ..)| *name == path) {
             let mut response = response(text.as_bytes().to_vec(), kind);
-            response.headers.push(("Content-Security-Policy", POLICY));
+            response.headers.push(("Content-Security-Policy", POLICY.into()));
             return Ok(response);
         }
         let value = |name: &str| {
@@ -163,10 +212,7 @@ impl Server {
                 Ok(())
             }
             "save" => self.session.save(text("text")?, from, saves),
-            "take" => {
-                self.session.take();
-                Ok(())
-            }
+            "take" => self.session.take(),
             "keep" => {
                 self.session.keep_text();
                 Ok(())
@@ -247,18 +293,18 @@ impl Server {
     }
 
     /// Tells a page what happens, until it is closed.
-    fn events(&self, mut stream: TcpStream) {
+    fn events(&self, stream: &TcpStream) {
         let events = self.session.join();
-        let mut tell = || -> io::Result<()> {
-            http::respond_on(&mut stream, &[("Content-Type", "text/event-stream")])?;
-            stream.write_all(b"retry: 500\n\n")?;
+        let tell = || -> io::Result<()> {
+            http::respond_on(stream, &[("Content-Type", "text/event-stream".into())])?;
+            http::send_on(stream, "retry: 500\n\n")?;
             loop {
                 let event = match events.recv_timeout(ALIVE) {
                     Ok(event) => event,
                     Err(RecvTimeoutError::Timeout) => ":\n\n".into(),
                     Err(RecvTimeoutError::Disconnected) => return Ok(()),
                 };
-                stream.write_all(event.as_bytes())?;
+                http::send_on(stream, &event)?;
             }
         };
         // A page that is gone is no fault.
@@ -266,12 +312,19 @@ impl Server {
     }
 }
 
+/// Whether a request's host, or its page's, is this server. Browsers leave out the port of HTTP.
+fn is_own_host(host: &str, port: u16) -> bool {
+    let (name, given) = host.rsplit_once(':').unwrap_or((host, "80"));
+    let own = name == "127.0.0.1" || name.eq_ignore_ascii_case("localhost");
+    own && given.bytes().all(|digit| digit.is_ascii_digit()) && given.parse() == Ok(port)
+}
+
 /// An answer of bytes of a kind.
-fn response(body: Vec<u8>, kind: &'static str) -> Response {
+fn response(body: Vec<u8>, kind: &str) -> Response {
     let headers = vec![
-        ("Content-Type", kind),
-        ("X-Content-Type-Options", "nosniff"),
-        ("Referrer-Policy", "no-referrer"),
+        ("Content-Type", kind.to_string()),
+        ("X-Content-Type-Options", "nosniff".into()),
+        ("Referrer-Policy", "no-referrer".into()),
     ];
     Response { status: 200, headers, body }
 }
@@ -281,7 +334,7 @@ fn told(value: &Value) -> Response {
     response(value.to_string().into_bytes(), "application/json")
 }
 
-fn send(stream: &mut TcpStream, answer: Answer) {
+fn send(stream: &TcpStream, answer: Answer) {
     let response = answer.unwrap_or_else(|(status, why)| {
         let text = response(format!("{why}\n").into_bytes(), "text/plain; charset=utf-8");
         Response { status, ..text }
@@ -335,4 +388,30 @@ fn words() -> Value {
     let names = reference::names().into_iter().flat_map(|(_, names)| names).map(|(name, _)| name.to_string());
     let keywords: Vec<&str> = reference::KEYWORDS.iter().map(|(word, _)| *word).collect();
     json!({"words": functions.chain(names).collect::<Vec<_>>(), "keywords": keywords})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hosts_of_this_server() {
+        for (host, port) in
+            [("127.0.0.1:8017", 8017), ("LocalHost:1", 1), ("127.0.0.1", 80), ("localhost:80", 80)]
+        {
+            assert!(is_own_host(host, port), "{host}");
+        }
+        let strange = [
+            "127.0.0.1",
+            "127.0.0.1:",
+            "127.0.0.1:+8017",
+            "evil.example:8017",
+            "x127.0.0.1:8017",
+            ":8017",
+            "",
+        ];
+        for host in strange {
+            assert!(!is_own_host(host, 8017), "{host}");
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! What the preview knows: the text, what is set, and the pictures that came of it. Every page shows the same.
 
+use super::disk::OnDisk;
 use super::source::Picture;
 use super::told;
 use crate::cli::failure::Failure;
@@ -59,16 +60,17 @@ pub(super) struct Ran {
 }
 
 /// What changes.
-#[derive(Default)]
 pub(super) struct State {
     /// The text as the pages have it.
     pub text: String,
-    /// What is in the file, as far as known.
-    pub disk: Option<String>,
+    /// What is in the file, as it was last seen.
+    pub disk: OnDisk,
+    /// The text that the file had when it last had one.
+    base: Option<String>,
     /// How often the file was seen to change. A page whose text is of an earlier state would undo that change.
     pub saves: u64,
-    /// Do the file's lines end as those of Windows do? The pages' end with a line feed alone.
-    pub windows: bool,
+    /// Whether the file's lines end as those of Windows do. The pages' end with a line feed alone.
+    windows: bool,
     /// The page that changed the text last.
     pub from: String,
     /// Did the file change while a page had changes of its own?
@@ -105,16 +107,13 @@ pub(super) struct State {
     begun: Option<Instant>,
 }
 
-/// A text with line feeds alone, and whether it had those of Windows.
-fn lines(text: String) -> (String, bool) {
-    if text.contains("\r\n") { (text.replace("\r\n", "\n"), true) } else { (text, false) }
-}
-
 /// A preview.
 pub(super) struct Session {
     /// What stays as it is.
     pub fixed: Fixed,
     state: Mutex<State>,
+    /// Held while the file is compared and replaced.
+    saving: Mutex<()>,
     changed: Condvar,
     /// Set when what runs is out of date.
     pub cancel: AtomicBool,
@@ -135,12 +134,42 @@ pub(super) struct Job {
 impl Session {
     /// A preview of this text.
     pub fn new(fixed: Fixed, text: String, frame: f32, set: Vec<(String, String, PixelValue)>) -> Session {
-        let (text, windows) = lines(text);
-        let disk = Some(text.clone()).filter(|_| fixed.file.exists());
-        let state = State { text, windows, disk, frame, set, version: 1, ..State::default() };
+        let windows = text.contains("\r\n");
+        let text = if windows { text.replace("\r\n", "\n") } else { text };
+        let disk = OnDisk::read(&fixed.file);
+        // It may have changed since the text was read; then that is a change.
+        let base = disk.text().map(|_| text.clone());
+        let disk = if base.is_some() { OnDisk::Text { text: text.clone(), windows } } else { disk };
+        let state = State {
+            text,
+            disk,
+            base,
+            saves: 0,
+            windows,
+            from: String::new(),
+            conflict: false,
+            set,
+            frame,
+            also: Vec::new(),
+            version: 1,
+            files: 0,
+            params: Vec::new(),
+            inputs: Vec::new(),
+            assigned: Vec::new(),
+            animated: false,
+            error: None,
+            ran: None,
+            picture: None,
+            drawn: VecDeque::new(),
+            drawings: 0,
+            pages: Vec::new(),
+            drawing: 0,
+            begun: None,
+        };
         Session {
             fixed,
             state: Mutex::new(state),
+            saving: Mutex::new(()),
             changed: Condvar::new(),
             cancel: AtomicBool::new(false),
             late: AtomicBool::new(false),
@@ -249,44 +278,52 @@ impl Session {
     pub fn edit(&self, text: String, from: &str, saves: u64) {
         let mut state = self.state();
         if state.text != text {
-            state.conflict |= saves != state.saves && state.disk.as_ref() != Some(&text);
+            state.conflict |= saves != state.saves && state.disk.text() != Some(&text);
             (state.text, state.from) = (text, from.to_string());
             self.redraw(&mut state);
             self.tell_state(&mut state);
         }
     }
 
-    /// Writes the text into the file.
+    /// Writes the text into the file, if that is what it was when the page last heard of it.
     pub fn save(&self, text: String, from: &str, saves: u64) -> Result<(), Failure> {
-        // The file may have changed a moment ago.
-        self.files_changed(std::slice::from_ref(&self.fixed.file));
+        let _one_at_a_time = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
+        // The file may have changed a moment ago, and nobody has told yet.
+        let disk = OnDisk::read(&self.fixed.file);
         self.edit(text.clone(), from, saves);
-        {
+        let windows = {
             let mut state = self.state();
-            if saves != state.saves && state.disk.as_ref() != Some(&text) {
+            self.see(&mut state, disk);
+            let other = state.disk.text() != Some(&text);
+            if matches!(state.disk, OnDisk::NoFile { .. }) || saves != state.saves && other {
                 state.conflict = true;
                 self.tell_state(&mut state);
-                return Err(Failure::plain("the file was changed elsewhere, and is not replaced unasked"));
+                return Err(Failure::plain(state.disk.trouble()));
             }
-        }
-        let windows = self.state().windows;
+            state.windows
+        };
         let written = if windows { text.replace('\n', "\r\n") } else { text.clone() };
         write_file(&self.fixed.file, written.as_bytes())?;
         let mut state = self.state();
-        state.saves += u64::from(state.disk.as_ref() != Some(&text));
-        state.disk = Some(text);
+        state.saves += u64::from(state.disk.text() != Some(&text));
+        state.base = Some(text.clone());
+        state.disk = OnDisk::Text { text, windows };
         state.conflict = false;
         self.tell_state(&mut state);
         Ok(())
     }
 
     /// Takes the file's text for that of the pages.
-    pub fn take(&self) {
+    pub fn take(&self) -> Result<(), Failure> {
         let mut state = self.state();
-        if let Some(text) = state.disk.clone() {
-            (state.text, state.from, state.conflict) = (text, String::new(), false);
-            self.redraw(&mut state);
-            self.tell_state(&mut state);
+        match state.disk.text().map(str::to_string) {
+            Some(text) => {
+                (state.text, state.from, state.conflict) = (text, String::new(), false);
+                self.redraw(&mut state);
+                self.tell_state(&mut state);
+                Ok(())
+            }
+            None => Err(Failure::plain(state.disk.trouble())),
         }
     }
 
@@ -300,34 +337,43 @@ impl Session {
     /// The program's file has changed, or something beside it.
     pub fn files_changed(&self, paths: &[PathBuf]) {
         let own = |path: &&PathBuf| same_file(path, &self.fixed.file) || **path == self.fixed.file;
-        let text = match paths.iter().find(own) {
-            // In the middle of a save there may be none; the next event tells of it.
-            Some(path) => std::fs::read_to_string(path).ok(),
-            None => None,
-        };
+        // Editors may take the file away before they put the new one there: a later event tells of that.
+        let disk = paths.iter().any(|path| own(&path)).then(|| OnDisk::read(&self.fixed.file));
         let mut state = self.state();
         if paths.iter().any(|path| !own(&path)) {
             state.files += 1;
             self.redraw(&mut state);
         }
-        let Some((text, windows)) = text.map(lines) else { return };
-        state.windows = windows;
-        if state.disk.as_ref() == Some(&text) {
+        if let Some(disk) = disk.filter(|disk| *disk != OnDisk::Missing) {
+            self.see(&mut state, disk);
+        }
+    }
+
+    /// Takes notice of what the file holds now.
+    fn see(&self, state: &mut State, disk: OnDisk) {
+        if let OnDisk::Text { windows, .. } = disk {
+            state.windows = windows;
+        }
+        let same_text = disk.text().is_some() && disk.text() == state.disk.text();
+        if same_text || disk == state.disk {
             return;
         }
-        let untouched = state.disk.as_ref().is_none_or(|disk| *disk == state.text);
-        state.disk = Some(text.clone());
         state.saves += 1;
-        if untouched || state.text == text {
-            state.conflict = false;
-            if state.text != text {
-                (state.text, state.from) = (text, String::new());
-                self.redraw(&mut state);
+        state.disk = disk;
+        match state.disk.text().map(str::to_string) {
+            Some(text) => {
+                // Where there was no file, all text is the pages' own.
+                let untouched = state.base.as_deref().unwrap_or_default() == state.text;
+                state.base = Some(text.clone());
+                state.conflict = !untouched && state.text != text;
+                if !state.conflict && state.text != text {
+                    (state.text, state.from) = (text, String::new());
+                    self.redraw(state);
+                }
             }
-        } else {
-            state.conflict = true;
+            None => state.conflict = true,
         }
-        self.tell_state(&mut state);
+        self.tell_state(state);
     }
 
     /// Sets a param to what an expression gives, or lets the program say what it is.

@@ -5,9 +5,10 @@ use crate::cli::failure::Failure;
 use crate::cli::frames::has_pattern;
 use crate::cli::input::{InputArg, Inputs, MapArg};
 use crate::cli::run::{frame, reading, scene};
-use crate::image::Image;
+use crate::image::{Image, Input};
 use crate::program::Program;
 use crate::scene::Renderer;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -17,6 +18,8 @@ pub(super) struct Pictures {
     map: Vec<MapArg>,
     raw: bool,
     scene: Option<Renderer>,
+    /// Standard input and pipes, which can be read once only, by their paths.
+    pipes: BTreeMap<PathBuf, Input>,
     /// What was read last.
     kept: Option<Kept>,
 }
@@ -44,7 +47,15 @@ impl Pictures {
     pub fn new(args: &PreviewArgs) -> Result<Pictures, Failure> {
         let images = &args.images;
         let scene = scene(images)?.map(|seen| images.view.renderer(&seen, None, false)).transpose()?;
+        let mut pipes = BTreeMap::new();
+        for path in images.input.iter().map(|input| PathBuf::from(&input.path)) {
+            let seekable = Input::from_argument(&path)?.seekable()?;
+            if seekable.path().is_none() {
+                pipes.insert(path, seekable);
+            }
+        }
         Ok(Pictures {
+            pipes,
             input: images.input.clone(),
             map: images.map.clone(),
             raw: args.raw,
@@ -90,7 +101,9 @@ impl Pictures {
             wanted
                 .extend(kept.names.iter().filter(|name| !wanted.contains(name)).cloned().collect::<Vec<_>>());
         }
-        let inputs = Arc::new(Inputs::open(&self.input, &self.map, self.raw, frame.number)?);
+        let inputs = Arc::new(Inputs::open_by(&self.input, &self.map, self.raw, frame.number, |path| {
+            self.pipes.get(path).map_or_else(|| Input::from_argument(path), |pipe| Ok(pipe.clone()))
+        })?);
         let mut reader = inputs.reader(self.scene.as_ref(), &wanted)?;
         let height = reader.about().height;
         let mut image = reader.read(0..height)?;

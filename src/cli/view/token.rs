@@ -15,15 +15,20 @@ pub(super) fn token() -> Result<String, Failure> {
     if let Some(token) = path.as_deref().and_then(kept) {
         return Ok(token);
     }
-    let mut bytes = [0; BYTES];
-    getrandom::fill(&mut bytes)
-        .map_err(|error| Failure::plain(format!("there is no randomness: {error}")))?;
-    let token: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    let token = random()?;
     if let Some(path) = path {
         // If it cannot be kept, the next one is another.
         let _ = keep(&path, &token);
     }
     Ok(token)
+}
+
+/// A token that nobody can guess.
+pub(super) fn random() -> Result<String, Failure> {
+    let mut bytes = [0; BYTES];
+    getrandom::fill(&mut bytes)
+        .map_err(|error| Failure::plain(format!("there is no randomness: {error}")))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// The token in a file that only the user could have written.
@@ -35,7 +40,8 @@ fn kept(path: &Path) -> Option<String> {
             return None;
         }
     }
-    let token = fs::read_to_string(path).ok()?;
+    let file = crate::files::regular(path).ok()?;
+    let token = String::from_utf8(crate::files::read_all(file, 2 * BYTES as u64).ok()?).ok()?;
     let whole = token.len() == 2 * BYTES && token.bytes().all(|b| b.is_ascii_hexdigit());
     whole.then_some(token)
 }

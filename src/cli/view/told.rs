@@ -45,7 +45,7 @@ pub(super) fn state(session: &Session, state: &State) -> Value {
         "name": session.name(),
         "text": state.text,
         "from": state.from,
-        "saved": state.disk.as_ref() == Some(&state.text),
+        "saved": state.disk.text() == Some(&state.text),
         "saves": state.saves,
         "conflict": state.conflict,
         "params": params,
