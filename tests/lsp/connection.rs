@@ -65,3 +65,68 @@ fn the_newest_text_counts() {
     assert_eq!(symbols[0]["name"], "color");
     editor.leave();
 }
+
+/// What comes back for these bytes, message by message, and the exit status.
+fn exchange(bytes: &[u8]) -> (Vec<Value>, Option<i32>) {
+    use std::io::Write;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pse"));
+    let mut server = command.arg("lsp").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut to = server.stdin.take().unwrap();
+    let bytes = bytes.to_vec();
+    // It may answer before it has read all.
+    let writer = std::thread::spawn(move || to.write_all(&bytes));
+    let output = server.wait_with_output().unwrap();
+    let _ = writer.join().unwrap();
+    let mut rest = &output.stdout[..];
+    let mut messages = Vec::new();
+    while !rest.is_empty() {
+        let end = rest.windows(4).position(|w| w == b"\r\n\r\n").expect("headers") + 4;
+        let head = std::str::from_utf8(&rest[..end]).unwrap();
+        let length: usize = head.trim().strip_prefix("Content-Length: ").expect(head).parse().unwrap();
+        messages.push(serde_json::from_slice(&rest[end..end + length]).unwrap());
+        rest = &rest[end + length..];
+    }
+    (messages, output.status.code())
+}
+
+fn framed(text: &str) -> Vec<u8> {
+    format!("Content-Length: {}\r\n\r\n{text}", text.len()).into_bytes()
+}
+
+#[test]
+fn any_bytes_are_survived() {
+    let initialize = framed(r#"{"jsonrpc":"2.0","id":1,"method":"initialize","params":{"capabilities":{}}}"#);
+    let shutdown = framed(r#"{"jsonrpc":"2.0","id":2,"method":"shutdown"}"#);
+    let exit = framed(r#"{"jsonrpc":"2.0","method":"exit"}"#);
+    let wrong: [&[u8]; 16] = [
+        b"Content-Length: 18446744073709551615\r\n\r\n{}",
+        b"Content-Length: 9223372036854775807\r\n\r\n{}",
+        b"Content-Length: 99999999999999\r\n\r\n",
+        b"Content-Length: 99999999999999999999999999999\r\n\r\n{}",
+        b"Content-Length: -5\r\n\r\n{}",
+        b"Content-Length: 0x10\r\n\r\n{}",
+        b"Content-Length: 2\r\n\r\n\xff\xfe",
+        b"Content-Type: text\r\n\r\n{}",
+        b"\r\n\r\n\r\n",
+        b"\0\0\0\0\0\0\0\0",
+        b"no header\r\n",
+        &framed("no JSON"),
+        &framed("[]"),
+        &framed(r#"{"id":{}}"#),
+        &framed(&"[".repeat(100_000)),
+        &framed("\"\\ud800\""),
+    ];
+    for bytes in wrong {
+        let shown = String::from_utf8_lossy(&bytes[..bytes.len().min(50)]).into_owned();
+        let (messages, code) = exchange(&[&initialize, bytes, &shutdown, &exit].concat());
+        let ids: Vec<&Value> = messages.iter().map(|message| &message["id"]).collect();
+        assert!(ids.contains(&&json!(1)) && ids.contains(&&json!(2)), "{shown:?}: {messages:?}");
+        let errors = messages.iter().filter(|message| message["error"]["code"].is_i64()).count();
+        assert_eq!((errors, code), (1, Some(0)), "{shown:?}: {messages:?}");
+    }
+    // One that is cut off is the end.
+    for bytes in [&b"Content-Length: 5\r\n\r\n{"[..], b"Content-Le", b"Content-Length: 5\r\n"] {
+        let (messages, code) = exchange(&[&initialize, bytes].concat());
+        assert_eq!((messages.len(), code), (1, Some(1)), "{bytes:?}");
+    }
+}
