@@ -9,6 +9,7 @@ pub mod diagnostic;
 pub mod eval;
 pub mod files;
 pub mod flow;
+pub mod gbuffer;
 pub mod host;
 pub mod image;
 pub mod lanes;

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 #[path = "cli/bands.rs"]
 mod bands;
+#[path = "cli/camera.rs"]
+mod camera;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/flow.rs"]

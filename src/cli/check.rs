@@ -1,10 +1,13 @@
 //! `pse check`: what is wrong with programs, without running them.
 
+use super::camera::CameraRequest;
 use super::failure::{Failure, style, warn};
 use super::input::{InputArg, Inputs, MapArg};
+use super::scene::ViewArgs;
 use super::source;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::eval::{knows_camera, no_eye};
+use crate::eval::no_eye;
+use crate::image::Image;
 use crate::program::{Error, Program};
 use crate::resolve::{is_standard_function, names, no_variable};
 use crate::scene::{self, Options};
@@ -131,21 +134,40 @@ fn has(known: &Known, name: &str) -> bool {
     }
 }
 
+/// Why a program does not know the camera of its inputs; `None` if it does, or does not read it.
+fn no_camera(program: &Program, inputs: &Inputs) -> Option<String> {
+    let metadata = inputs.list.first().map(|opened| opened.file.metadata().clone()).unwrap_or_default();
+    let request = CameraRequest {
+        program,
+        view: Some(&ViewArgs::default()),
+        inputs,
+        about: &Image { metadata, ..Image::default() },
+        variables: &inputs.variables(),
+        set: &[],
+        spaces: &[],
+    };
+    match request.find() {
+        Ok(camera) => camera.hint().map(String::from),
+        Err(failure) => Some(failure.message()),
+    }
+}
+
 /// What is to be said of the names that a program reads and does not assign.
 fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
     let mut list = Vec::new();
+    // Why the camera is not known, if it is not.
+    let camera = match known {
+        Known::Usual | Known::Scene(_) => None,
+        Known::Files(inputs) => no_camera(program, inputs),
+    };
     for name in program.inputs() {
         let global = program.resolved().globals.iter().find(|g| g.name == name && !g.library);
         let Some(span) = global.and_then(|g| g.read) else { continue };
-        let camera = match known {
-            Known::Usual | Known::Scene(_) => true,
-            Known::Files(inputs) => inputs.list.iter().any(|opened| knows_camera(opened.file.metadata())),
-        };
         match name {
             // A run may be told by `--space`.
-            "eye" if !camera => list.push(no_eye(span).warning()),
+            "eye" if camera.is_some() => list.push(no_eye(span, camera.as_deref()).warning()),
             // It is made of the points and the eye.
-            "I" if camera && has(known, "point") => continue,
+            "I" if camera.is_none() && has(known, "point") => continue,
             _ => {}
         }
         if names::constant(name).is_some() || names::is_system(name) {
@@ -193,7 +215,8 @@ fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
                     Some(Ok(())) => continue,
                     Some(Err(ambiguous)) => (ambiguous.message, ambiguous.hints),
                 };
-                list.push(hints.into_iter().fold(absent(&message), Diagnostic::hint));
+                let hints = hints.into_iter().chain(camera.clone().filter(|_| name == "I"));
+                list.push(hints.fold(absent(&message), Diagnostic::hint));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! `pse flow`: points that a program's `velocity(p)` carries along, drawn as lines or written as points.
 
+use super::camera;
 use super::failure::{Failure, warn};
 use super::frames::{self, Frames};
 use super::input::{ImageArgs, Inputs};
@@ -9,7 +10,8 @@ use super::progress::{Meter, Style};
 use super::run::{Frame, LimitArgs, frame, positive, scene, set, space};
 use super::solid::{Bounds, bounds};
 use super::source::ProgramArgs;
-use crate::flow::{self, Flow, Pen, Projection, Trajectories};
+use crate::flow::{self, Flow, Pen, Trajectories};
+use crate::gbuffer::Projection;
 use crate::host::Disk;
 use crate::image::{Format, Image, Metadata, NewFile, WriteOptions, same_file, write};
 use crate::program::RunOptions;
@@ -118,7 +120,8 @@ fn cells(text: &str) -> Result<Cells, String> {
 /// What a frame begins with.
 struct Start {
     seeds: Vec<[f32; 3]>,
-    projection: Option<Projection>,
+    /// The camera, or why it is not known.
+    projection: Result<Projection, String>,
     /// What was seen, whose surfaces hide lines.
     image: Option<Image<'static>>,
 }
@@ -300,7 +303,7 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
         let from = [look_at[0], look_at[1] - 0.94 * distance, look_at[2] + 0.34 * distance];
         let size = view.size.map_or([640, 480], |s| s.0);
         let projection = Projection::looking(view.eye.map_or(from, |p| p.0), look_at, fov, size)?;
-        return Ok(Start { seeds, projection: Some(projection), image: None });
+        return Ok(Start { seeds, projection: Ok(projection), image: None });
     }
     let inputs = Inputs::open(&args.images.input, &args.images.map, false, frame.number)?;
     let renderer = scene(&args.images)?.map(|seen| view.renderer(&seen, frame.number, false)).transpose()?;
@@ -320,9 +323,11 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
     let screen =
         args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
     let screen = screen.iter().rev().find(|(name, _)| name == "screen");
-    let projection = match screen {
-        Some((_, matrix)) => Projection::new(matrix, image.resolution()),
-        None => Projection::of(&image),
+    let projection = match (screen, args.images.view_of_image()) {
+        (Some((_, matrix)), _) => Projection::new(matrix, image.resolution())
+            .ok_or_else(|| "`--space screen` gives the matrix of no perspective camera.".into()),
+        (None, None) => Projection::of(&image).map_err(|error| error.to_string()),
+        (None, Some(view)) => camera::projection(&inputs, view, &image, args.quiet)?,
     };
     Ok(Start { seeds, projection, image: Some(image) })
 }
@@ -357,12 +362,12 @@ fn save(
         drop(out);
         return Ok(file.finish()?);
     }
-    let Some(projection) = &start.projection else {
-        let failure = Failure::plain("it is not known where the camera of the input is");
-        return Err(failure
-            .hint("An EXR file tells it by the attribute worldToNDC. Without that it is found from `point`, but only where the points are not all of one plane.")
-            .hint("Give the matrix from the world to a screen of 0 to 1: --space screen='…'. Or write points: -o lines.ply."));
-    };
+    let projection = start.projection.as_ref().map_err(|reason| {
+        Failure::plain("it is not known where the camera of the input is")
+            .hint("An EXR file tells it by the attribute worldToNDC; this input has none.")
+            .hint(reason)
+            .hint("Give it with --eye, --look-at and --fov, or the matrix from the world to a screen of 0 to 1 with --space screen='…'. Or write points: -o lines.ply.")
+    })?;
     let pen = Pen { width: args.width };
     let mut image = flow::draw(lines, colors, projection, &pen, start.image.as_ref());
     match &start.image {

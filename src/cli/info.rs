@@ -1,10 +1,14 @@
 //! `pse info`: what is in an image, or in a mesh.
 
+use super::camera;
 use super::failure::{Failure, print};
 use super::input::MapArg;
 use super::model;
-use crate::image::{Input, ReadOptions, info as image_info, read};
+use crate::eval::has_space;
+use crate::gbuffer::{JumpCounter, PointSampler};
+use crate::image::{File, Image, Input, ReadOptions, info as image_info, read};
 use crate::mesh::{Format, Mesh};
+use crate::shape::Shape;
 use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -37,10 +41,53 @@ pub(super) fn info(args: &InfoArgs) -> Result<(), Failure> {
             continue;
         }
         let file = read(Input::from_argument(path)?, &options)?;
-        let table = image_info(&file)?.to_string();
-        print(&table)?;
+        let mut table = image_info(&file)?;
+        table.notes.extend(about_points(&file)?);
+        print(&table.to_string())?;
     }
     Ok(())
+}
+
+/// Rows that are read at once.
+const ROWS: usize = 64;
+
+/// What the points say: where the eye is, if the header does not tell, and whether they are noise.
+fn about_points(file: &File) -> Result<Vec<String>, Failure> {
+    if !file.find("point").is_ok_and(|point| point.shape == Shape::Vector(3)) {
+        return Ok(Vec::new());
+    }
+    let names: Vec<&str> = ["point", "surface"].into_iter().filter(|name| file.find(name).is_ok()).collect();
+    let [width, height] = file.size();
+    let about = Image { width, height, metadata: file.metadata().clone(), ..Image::default() };
+    let (mut sampler, mut jumps) = (PointSampler::new(&about), JumpCounter::default());
+    let mut rows = file.rows(&names)?;
+    for top in (0..height).step_by(ROWS) {
+        // With a row above and one below, whose points are neighbours.
+        let band = rows.read(top.saturating_sub(1)..height.min(top + ROWS + 1))?;
+        sampler.add(&band);
+        jumps.add(&band);
+    }
+    let found = sampler.resect();
+    let camera = found.as_ref().ok();
+    let jumps = jumps.finish(camera.map(|found| &found.projection));
+    let mut notes = Vec::new();
+    let is_written = ["camera", "screen"].iter().any(|space| has_space(space, file.metadata()));
+    notes.extend(camera.filter(|_| !is_written).map(|found| sentence(&camera::description(found))));
+    if jumps.noisy {
+        notes.push(format!(
+            "`point` jumps from pixel to pixel at {} of {} pixels within a surface ({:.1} %), as renderers write it with depth \
+             of field or motion blur: from one random sample of each pixel. Render the data passes without both.",
+            jumps.jumps,
+            jumps.tested,
+            100.0 * jumps.jumps as f64 / jumps.tested as f64
+        ));
+    }
+    Ok(notes)
+}
+
+fn sentence(text: &str) -> String {
+    let (first, rest) = text.split_at(1);
+    format!("{}{rest}.", first.to_uppercase())
 }
 
 /// What a mesh has, as a table.

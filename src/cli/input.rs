@@ -1,5 +1,6 @@
 //! The images that a program runs on: opened, and those variables read that it uses.
 
+use super::camera::FoundCamera;
 use super::failure::Failure;
 use super::frames;
 use super::region::Region;
@@ -11,6 +12,7 @@ use clap::Args;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::OnceLock;
 
 /// `FILE`, or `NAME=FILE` for an image whose variables are called `NAME.…`.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +94,12 @@ impl ImageArgs {
     /// The files that are named, each of which may have a place for the frame's number.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
         self.input.iter().map(|i| i.path.as_str()).chain(self.view.mesh.as_deref())
+    }
+
+    /// The view, if it is an image that is looked at, not a scene or mesh.
+    pub fn view_of_image(&self) -> Option<&ViewArgs> {
+        let scene = self.scene.is_some() || self.view.mesh.is_some() || self.input.is_empty();
+        (!scene).then_some(&self.view)
     }
 
     /// Is nothing named to run on?
@@ -218,6 +226,8 @@ fn same_window(first: &str, one: &Image<'_>, name: &str, other: &Image<'_>) -> R
 pub(super) struct Inputs {
     /// In the order of the arguments.
     pub list: Vec<Opened>,
+    /// The camera that their points tell, from the first time on that it is asked for.
+    pub resection: OnceLock<FoundCamera>,
 }
 
 impl Inputs {
@@ -260,7 +270,7 @@ impl Inputs {
                 .map_err(|error| of_sequence(error.into(), &path.to_string_lossy()))?;
             list.push(Opened { name: arg.name.clone(), file });
         }
-        Ok(Inputs { list })
+        Ok(Inputs { list, resection: OnceLock::new() })
     }
 
     /// The names of all variables that can be read, as programs call them.
@@ -316,6 +326,12 @@ impl Inputs {
             }
         }
         Ok(reader)
+    }
+
+    /// The name of the file that gives the variable, as messages call it.
+    pub fn name_of(&self, full: &str) -> Option<String> {
+        let own = |opened: &&Opened| opened.name.is_none() && opened.file.find(full).is_ok();
+        self.list.iter().find(own).map(|opened| opened.file.name())
     }
 
     /// Does some input have the variable? An error if several of its channels could be it.

@@ -4,6 +4,7 @@
 //! asked for goes to standard output, what is said about the work to standard error.
 
 mod ast;
+mod camera;
 mod check;
 mod completions;
 mod deform;

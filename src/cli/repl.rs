@@ -48,7 +48,8 @@ pub(super) struct ReplArgs {
 /// Runs a session until its end.
 pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
     let (image, inputs) = load(args)?;
-    let mut session = Session::new(image, inputs, args.path.clone());
+    let view = args.images.view_of_image().cloned();
+    let mut session = Session::new(image, inputs, view, args.path.clone());
     session.frame = args.frame;
     session.pixelsize = args.images.pixelsize;
     session.limits = args.limits.limits();

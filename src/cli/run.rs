@@ -218,7 +218,13 @@ impl Job<'_> {
             cancel: Some(&CANCEL),
             progress: Some(&progress),
             missing: Some(&missing),
+            ..RunOptions::default()
         };
+        let camera = input.camera(args, plan, frame)?;
+        if !args.quiet {
+            camera.report();
+        }
+        let options = camera.options(options);
         let mut outcome = stream::run(args, plan, input, outputs, stamp, &options, &done)?;
         outcome.stats.samples = args.samples.unwrap_or(1);
         outcome.stats.batch = args.batch.unwrap_or(BATCH);

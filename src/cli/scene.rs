@@ -33,7 +33,7 @@ pub(super) struct ViewArgs {
     /// Columns and rows of the picture, 640x480 if not given
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<Size>,
-    /// Where the eye is, in the space where z is up
+    /// Where the eye is, in the space where z is up; of an image, in the space of point
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub eye: Option<Point>,
     /// The point in the middle of the picture
@@ -64,10 +64,19 @@ fn point(text: &str) -> Result<Point, String> {
 }
 
 impl ViewArgs {
-    /// Is anything given that only a scene or a solid has?
-    pub fn is_given(&self) -> bool {
+    /// Checks that nothing is given that an image cannot have.
+    pub fn check_for_image(&self) -> Result<(), Failure> {
         let ViewArgs { size, eye, look_at, fov, scale, mesh: _, up: _ } = self;
-        size.is_some() || eye.is_some() || look_at.is_some() || fov.is_some() || scale.is_some()
+        if size.is_some() || scale.is_some() {
+            return Err(Failure::usage("--size and --scale need a --scene or a --mesh")
+                .hint("An image has the size and the points that it has."));
+        }
+        if eye.is_none() && (look_at.is_some() || fov.is_some()) || look_at.is_none() && fov.is_some() {
+            return Err(Failure::usage("for an image, --look-at needs --eye, and --fov needs both")
+                .hint("--eye 3,-8,5 says where the eye is. With --look-at the program has the space \"camera\", with \
+                       --fov also \"screen\"."));
+        }
+        Ok(())
     }
 
     /// The view, as scenes and solids take it.

@@ -3,6 +3,7 @@
 mod json;
 mod text;
 
+use super::camera::CameraRequest;
 use super::failure::{Failure, print, warn};
 use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
@@ -89,8 +90,9 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let frame = frame(args.frame, names)?;
     let (name, text) = args.program.read()?;
     let program = source::compile(&name, &text, &args.program.path)?;
-    let set = args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?;
-    let spaces = args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?;
+    let set = args.set.iter().map(|text| set(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
+    let spaces =
+        args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
     let scene = scene(&args.images)?;
     let inputs = Inputs::open(&args.images.input, &args.images.map, args.raw, frame.number)?;
     let renderer =
@@ -98,12 +100,24 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let (wanted, around) = reading(&program, &[], args.images.pixelsize.is_some(), false);
     let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
     let [column, row] = place(args.pixel, reader.about())?;
+    let variables: Vec<String> = reader.names().map(String::from).collect();
     let own: Vec<String> = reader.names().filter(|n| !n.contains('.')).map(str::to_string).collect();
     let known = scene.as_ref().map(|seen| format!("The {seen} has {}.", own.join(", ")));
     // The rows about it tell derivatives and sizes, as in a run.
     let rows = row.saturating_sub(around)..(row + around + 1).min(reader.about().height);
     let top = rows.start;
     let image = reader.read(rows)?;
+    let camera = CameraRequest {
+        program: &program,
+        view: args.images.view_of_image(),
+        inputs: &inputs,
+        about: reader.about(),
+        variables: &variables,
+        set: &set,
+        spaces: &spaces,
+    };
+    let camera = camera.find()?;
+    camera.report();
     drop(reader);
     let missing = |name: &str| match &known {
         Some(known) if !name.contains('.') => vec![known.clone()],
@@ -120,6 +134,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         missing: Some(&missing),
         ..RunOptions::default()
     };
+    let options = camera.options(options);
     let depth = if args.calls { u32::MAX } else { args.depth };
     let wanted = TraceOptions { depth, limit: args.limit };
     let trace = program.trace(&image, column, row - top, &options, &wanted)?;

@@ -53,6 +53,8 @@ pub(super) struct Bound<'r> {
     pub origin: [i32; 2],
     pub has: Vec<String>,
     pub missing: Option<&'r Missing<'r>>,
+    /// As [`Options::camera_hint`].
+    pub camera_hint: Option<&'r str>,
     /// As [`Resolved::textures`].
     pub textures: Vec<Arc<Texture>>,
     /// What runs once a frame printed.
@@ -179,6 +181,7 @@ pub(super) fn bind_traced<'r>(
         origin: image.metadata.origin,
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
         missing: options.missing,
+        camera_hint: options.camera_hint,
         textures: textures(program, options)?,
         prints: Prints::default(),
     };
@@ -344,17 +347,18 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
                     "I" => error.hint(
                         "`I` is the direction from the eye to the point. Renderers do not write it; where the eye is \
                          known it is `I = direction(point - eye)`, with `param eye = [0 -5 5]` above.",
-                    )
-                    .hint(spaces::CAMERA),
+                    ),
                     _ => error,
                 };
+                let camera = bound.camera_hint.into_iter().chain([spaces::CAMERA]).filter(|_| name == "I");
+                let error = camera.fold(error, |error, hint| error.hint(hint));
                 return Some(bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint));
             }
             if crate::resolve::is_standard_function(name) {
                 return Some(crate::resolve::no_variable(name, span, false));
             }
             if name == "eye" {
-                return Some(spaces::no_eye(span));
+                return Some(spaces::no_eye(span, bound.camera_hint));
             }
             let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
                 .label(span, "nothing assigns it, and the input has none of that name");

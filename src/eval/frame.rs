@@ -90,6 +90,7 @@ pub(super) fn run(
         origin: [0, 0],
         has: bound.has.clone(),
         missing: bound.missing,
+        camera_hint: bound.camera_hint,
         textures: bound.textures.clone(),
         prints: Prints::default(),
     };

@@ -46,7 +46,7 @@ pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, TEXTURE_MEMORY};
 pub use samples::{Filter, Places, Resample, Sampling};
-pub(crate) use spaces::{knows_camera, no_eye};
+pub(crate) use spaces::{has_space, no_eye};
 pub use stream::{Stream, run};
 pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 

@@ -57,6 +57,8 @@ pub struct Options<'o> {
     pub pixelsize: Option<f32>,
     /// Spaces by name: the matrix from the world, the space of `point`, to each. Points are columns.
     pub spaces: Vec<(String, Matrix4)>,
+    /// The position of the eye, instead of the origin of the camera's space.
+    pub eye: Option<[f32; 3]>,
     /// Several samples of each pixel, whose mean is written; `None`: one in its middle. See docs/antialiasing.md.
     pub samples: Option<Sampling>,
     /// Where the image comes from something that can be asked again: what it is at the places of a sample. Other
@@ -91,6 +93,9 @@ pub struct Options<'o> {
     pub progress: Option<&'o (dyn Fn(Progress) + Sync)>,
     /// Says what is known of a variable that the image does not have, as hints to the user.
     pub missing: Option<&'o Missing<'o>>,
+    /// Why the camera could not be found from the points of the image, as a hint in errors about `eye`, `I` and the
+    /// spaces of the camera.
+    pub camera_hint: Option<&'o str>,
 }
 
 impl Options<'_> {

@@ -28,30 +28,49 @@ fn of_header(name: &str, attributes: &Attributes) -> Option<Matrix4> {
     written.iter().find_map(|attribute| attributes.matrix(attribute))
 }
 
-/// The place of the eye in the world, if the camera is known: that which is the camera's origin.
+/// The position of the eye in the world, if the camera is known: the origin of the camera's space, or else the point that the
+/// matrix to the screen sees nowhere.
 pub fn eye(image: &Image<'_>, options: &Options<'_>) -> Option<[f32; 3]> {
-    let set = options.spaces.iter().rev().find(|(n, _)| n == "camera").map(|(_, matrix)| *matrix);
-    let camera = set.or_else(|| of_header("camera", &image.metadata.attributes))?;
-    let rows = camera.map(|row| glam::DVec4::from_array(row.map(f64::from)));
+    let of = |name: &str| {
+        let set = options.spaces.iter().rev().find(|(n, _)| n == name).map(|(_, matrix)| *matrix);
+        set.or_else(|| of_header(name, &image.metadata.attributes))
+    };
+    let camera = || of("camera").and_then(origin);
+    options.eye.or_else(camera).or_else(|| of("screen").and_then(center_of_projection))
+}
+
+/// The point that a matrix takes to the origin.
+fn origin(matrix: Matrix4) -> Option<[f32; 3]> {
+    let rows = matrix.map(|row| glam::DVec4::from_array(row.map(f64::from)));
     let inverse = glam::DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose().inverse();
     let eye = inverse.w_axis / inverse.w_axis.w;
     eye.is_finite().then(|| eye.truncate().to_array().map(|x| x as f32))
 }
 
-/// How a user tells where the eye is, without a change of the program.
-pub const CAMERA: &str = "Or tell where the camera is, and leave the program as it is: `--space camera='inverse(translation([0 -5 5]))'`.";
+/// The point that a projection sees nowhere; `None` if its rays are parallel.
+fn center_of_projection(screen: Matrix4) -> Option<[f32; 3]> {
+    let [x, y, _, w] = screen.map(|row| glam::DVec4::from_array(row.map(f64::from)));
+    let lens = glam::DMat3::from_cols(x.truncate(), y.truncate(), w.truncate()).transpose();
+    let eye = lens.inverse() * -glam::DVec3::new(x.w, y.w, w.w);
+    eye.is_finite().then(|| eye.to_array().map(|x| x as f32))
+}
 
-/// The error of a program that reads `eye` where the camera is not known.
-pub fn no_eye(span: Span) -> Diagnostic {
-    Diagnostic::error("input", "it is not known where the eye is", span)
-        .hint("An EXR file tells it by the attribute worldToCamera; this input has none.")
+/// How a user says where the eye is, without a change of the program.
+pub const CAMERA: &str = "Or give it from outside, and leave the program as it is: `--eye 0,-5,5`.";
+
+/// The error of a program that reads `eye` where the camera is not known; `hint` says why it was not found from the points.
+pub fn no_eye(span: Span, hint: Option<&str>) -> Diagnostic {
+    let error = Diagnostic::error("input", "it is not known where the eye is", span)
+        .hint("An EXR file tells it by the attribute worldToCamera; this input has none.");
+    hint.into_iter()
+        .fold(error, |error, hint| error.hint(hint))
         .hint("Give it in the program: `param eye = [0 -5 5]` above.")
         .hint(CAMERA)
 }
 
-/// Does an image's header tell where its camera is?
-pub fn knows_camera(about: &Metadata) -> bool {
-    of_header("camera", &about.attributes).is_some()
+/// Whether an image's header tells the matrix to that space.
+pub fn has_space(name: &str, about: &Metadata) -> bool {
+    of_header(name, &about.attributes).is_some()
 }
 
 /// The error of a space that is not known.
@@ -71,6 +90,8 @@ pub fn unknown(name: &str, span: Span, image: &Image<'_>, options: &Options<'_>)
         }
         None => error,
     };
+    let hint = options.camera_hint.filter(|_| ATTRIBUTES.iter().any(|(space, _)| *space == name));
+    let error = hint.into_iter().fold(error, |error, hint| error.hint(hint));
     let quoted: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
     error
         .hint(format!("Give the matrix from the world to it: `--space {name}='translation([0 0 1])'`."))

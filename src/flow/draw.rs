@@ -1,9 +1,8 @@
 //! Trajectories as lines of a picture: antialiased, and sorted by depth at every pixel.
 
-use super::projection::Projection;
-use super::seeds::surfaces;
 use super::trajectories::Trajectories;
 use super::{MAX_POINTS, Vector};
+use crate::gbuffer::{Projection, surfaces};
 use crate::image::{Image, Metadata, Variable};
 use crate::shape::Shape;
 use glam::{DVec2, DVec3};

@@ -23,8 +23,6 @@ mod divergence;
 mod draw;
 mod field;
 mod points;
-mod projection;
-mod resection;
 mod seeds;
 mod trajectories;
 
@@ -34,7 +32,6 @@ mod tests;
 pub use divergence::Divergence;
 pub use draw::{Pen, draw};
 pub use points::to_ply;
-pub use projection::Projection;
 pub use seeds::{ball, grid, visible};
 pub use trajectories::Trajectories;
 

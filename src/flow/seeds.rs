@@ -1,8 +1,8 @@
 //! Where trajectories begin.
 
 use super::Vector;
+use crate::gbuffer::surfaces;
 use crate::image::Image;
-use crate::shape::Shape;
 
 /// The middles of the cells of a grid over a box, x fastest.
 pub fn grid(cells: [usize; 3], low: [f64; 3], high: [f64; 3]) -> Vec<Vector> {
@@ -43,18 +43,4 @@ pub fn visible(image: &Image<'_>, every: usize) -> Vec<Vector> {
     rows.flat_map(|row| middles(image.width).map(move |column| (row, column)))
         .filter_map(|(row, column)| all[row * image.width + column])
         .collect()
-}
-
-/// The point of each pixel, `None` where there is no surface. Nothing for an image without `point`.
-pub(super) fn surfaces<'a>(image: &'a Image<'_>) -> impl Iterator<Item = Option<Vector>> + 'a {
-    let point = image.variable("point").filter(|v| v.shape == Shape::Vector(3));
-    let surface = image.variable("surface").filter(|v| v.shape == Shape::Scalar);
-    point.into_iter().flat_map(move |point| {
-        (0..image.width * image.height).map(move |at| {
-            let place = [0, 1, 2].map(|i| point.planes[i][at]);
-            // Without numbers of surfaces, the background is where all coordinates are 0.
-            let hit = surface.map_or(place != [0.0; 3], |s| s.planes[0][at] > 0.0);
-            Some(place).filter(|place| hit && place.iter().all(|x| x.is_finite()))
-        })
-    })
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::gbuffer::Projection;
 use crate::host::NoFiles;
 use crate::image::{Image, Variable};
 use crate::scene;
@@ -198,33 +199,4 @@ fn seeds_lie_where_they_should() {
     let seen = visible(&image, 4);
     assert!((30..64).contains(&seen.len()), "{}", seen.len());
     assert!(seen.iter().all(|p| (radius(p) - 1.0).abs() < 1e-5));
-}
-
-#[test]
-fn a_camera_is_found_from_what_it_saw() {
-    let options = scene::Options { width: 90, height: 60, ..scene::Options::default() };
-    let mut image = scene::render("floor", &options).expect("a scene");
-    let told = Projection::of(&image).expect("a camera");
-    image.metadata.attributes = Default::default();
-    let found = Projection::of(&image).expect("a camera");
-    assert!(found.eye().distance(told.eye()) < 1e-3, "{} {}", found.eye(), told.eye());
-    for point in [[0.0, 0.0, 0.0], [1.0, -2.0, 1.5], [-3.0, 4.0, 0.2]].map(glam::DVec3::from) {
-        assert!(found.place(point).distance(told.place(point)) < 1e-2);
-        assert!((found.depth(point) - told.depth(point)).abs() < 1e-3);
-    }
-    // What is written into a header is read from it again.
-    found.note(&mut image.metadata);
-    let again = Projection::of(&image).expect("a camera");
-    assert!(again.eye().distance(told.eye()) < 1e-3);
-    let camera = image.metadata.attributes.matrix("worldToCamera").expect("a matrix");
-    let original = scene::render("floor", &options).expect("a scene").metadata.attributes;
-    for (a, b) in
-        camera.iter().flatten().zip(original.matrix("worldToCamera").expect("a matrix").iter().flatten())
-    {
-        assert!((a - b).abs() < 1e-3, "{camera:?}");
-    }
-    // A plane alone fits many cameras.
-    let mut plane = scene::render("card", &options).expect("a scene");
-    plane.metadata.attributes = Default::default();
-    assert!(Projection::of(&plane).is_none());
 }

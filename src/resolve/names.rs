@@ -43,7 +43,10 @@ pub static SYSTEM: &[(&str, &str)] = &[
     ("pixel", "[column row] of this pixel, its centre at .5, rows counted from the top"),
     ("pixelsize", "how far apart neighbouring pixels lie in the space of point, at this pixel"),
     ("pixel_freq", "0.5 / pixelsize, the highest frequency that the pixels can show"),
-    ("eye", "where the eye is, in the space of point; if the image's header or --space tells of a camera"),
+    (
+        "eye",
+        "where the camera's eye is, in the space of point: as an option or the image's header gives it, or found from the points",
+    ),
 ];
 
 /// The system's names that have one value for the frame.

@@ -1,8 +1,10 @@
 //! A session: a program that grows, and an image to try it on.
 
+use super::super::camera::{Camera, CameraRequest};
 use super::super::failure::Failure;
 use super::super::input::Inputs;
 use super::super::interrupt::CANCEL;
+use super::super::scene::ViewArgs;
 use crate::diagnostic::SourceId;
 use crate::host::Disk;
 use crate::image::{Image, Matrix4, Variable};
@@ -26,6 +28,8 @@ pub(super) const NAME: &str = "session";
 pub(super) struct Session {
     pub image: Image<'static>,
     inputs: Inputs,
+    /// The view options, if it is an image that is looked at.
+    view: Option<ViewArgs>,
     path: Vec<PathBuf>,
     /// The program so far, as it was entered.
     pub pieces: Vec<String>,
@@ -62,11 +66,12 @@ enum Piece {
 }
 
 impl Session {
-    pub fn new(image: Image<'static>, inputs: Inputs, path: Vec<PathBuf>) -> Session {
+    pub fn new(image: Image<'static>, inputs: Inputs, view: Option<ViewArgs>, path: Vec<PathBuf>) -> Session {
         let pixel = [image.width / 2, image.height / 2];
         Session {
             image,
             inputs,
+            view,
             path,
             pieces: Vec::new(),
             set: Vec::new(),
@@ -149,16 +154,19 @@ impl Session {
     pub fn at_pixel(&self, program: &Program) -> Result<Vec<(String, PixelValue)>, Failure> {
         let missing = |name: &str| self.inputs.missing(name);
         let [column, row] = self.pixel;
-        Ok(program.eval_pixel_of(&self.image, column, row, &self.options(program, &missing))?)
+        let camera = self.camera(program)?;
+        let options = camera.options(self.options(program, &missing));
+        Ok(program.eval_pixel_of(&self.image, column, row, &options)?)
     }
 
     /// What a program prints at the pixel, but for what the program so far prints already.
     fn printed(&self, program: &Program) -> Result<String, Failure> {
         let missing = |name: &str| self.inputs.missing(name);
         let [column, row] = self.pixel;
-        let prints = |program: &Program, lines: usize| {
-            let options = RunOptions { prints: lines, ..self.options(program, &missing) };
-            program.prints_of(&self.image, column, row, &options)
+        let prints = |program: &Program, lines: usize| -> Result<_, Failure> {
+            let camera = self.camera(program)?;
+            let options = RunOptions { prints: lines, ..camera.options(self.options(program, &missing)) };
+            Ok(program.prints_of(&self.image, column, row, &options)?)
         };
         let count = prints(program, 1)?.count as usize;
         if count == 0 {
@@ -176,11 +184,30 @@ impl Session {
     /// Runs the program on the whole image, for one variable.
     pub fn run(&mut self, program: &Program, name: &str) -> Result<Image<'static>, Failure> {
         let missing = |name: &str| self.inputs.missing(name);
-        let options = RunOptions { outputs: Some(vec![name.into()]), ..self.options(program, &missing) };
+        let camera = self.camera(program)?;
+        let options = camera.options(self.options(program, &missing));
+        let options = RunOptions { outputs: Some(vec![name.into()]), ..options };
         let start = Instant::now();
         let report = program.run(&self.image, &options)?;
         self.took = Some(start.elapsed());
         Ok(report.image)
+    }
+
+    /// The camera, found from the points of the inputs if the program reads it and nothing else tells it.
+    fn camera(&self, program: &Program) -> Result<Camera<'_>, Failure> {
+        let variables: Vec<String> = self.image.variables.iter().map(|v| v.name.clone()).collect();
+        let request = CameraRequest {
+            program,
+            view: self.view.as_ref(),
+            inputs: &self.inputs,
+            about: &self.image,
+            variables: &variables,
+            set: &self.set,
+            spaces: &self.spaces,
+        };
+        let camera = request.find()?;
+        camera.report();
+        Ok(camera)
     }
 
     fn options<'a>(

@@ -1,7 +1,8 @@
 //! What a frame runs on: rows of files or of a scene, as they are wanted, or all of them in memory.
 
-use super::plan::Frame;
+use super::plan::{Frame, values};
 use super::{Plan, RunArgs};
+use crate::cli::camera::{Camera, CameraRequest};
 use crate::cli::failure::Failure;
 use crate::cli::input::{Inputs, Reader};
 use crate::cli::region::{Region, bands};
@@ -23,6 +24,8 @@ pub(super) struct FrameInput {
     about: Image<'static>,
     /// The variables that are read, but for those of named images.
     pub names: String,
+    /// All variables that are read.
+    variables: Vec<String>,
     /// The rows to run.
     rows: Range<usize>,
     pub region: Option<Region>,
@@ -57,11 +60,27 @@ impl FrameInput {
             Some(region) => region.rows(&about)?,
             None => 0..about.height,
         };
+        let variables: Vec<String> = reader.names().map(String::from).collect();
         let whole = if kept { Some(reader.read(0..about.height)?) } else { None };
         drop(reader);
         let (around, one) = (plan.around, args.repeat.is_some());
         let inputs = Arc::new(inputs);
-        Ok(FrameInput { inputs, scene, whole, about, names, rows, region, around, one })
+        Ok(FrameInput { inputs, scene, whole, about, names, variables, rows, region, around, one })
+    }
+
+    /// The camera, if the files do not tell it and the program reads it.
+    pub fn camera(&self, args: &RunArgs, plan: &Plan, frame: f32) -> Result<Camera<'_>, Failure> {
+        let (set, spaces) = values(args, frame)?;
+        let request = CameraRequest {
+            program: &plan.program,
+            view: args.images.view_of_image().filter(|_| self.scene.is_none()),
+            inputs: &self.inputs,
+            about: &self.about,
+            variables: &self.variables,
+            set: &set,
+            spaces: &spaces,
+        };
+        request.find()
     }
 
     /// The pixels that are run, and what lies where.

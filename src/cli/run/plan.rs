@@ -283,13 +283,7 @@ pub(in crate::cli) fn scene(images: &ImageArgs) -> Result<Option<Seen>, Failure>
         return Ok(Some(Seen::Mesh(mesh.clone())));
     }
     if !input.is_empty() {
-        return match view.is_given() {
-            true => {
-                Err(Failure::usage("--size, --eye, --look-at, --fov and --scale need a --scene or a --mesh")
-                    .hint("An image has the size and the view that it has."))
-            }
-            false => Ok(None),
-        };
+        return view.check_for_image().map(|()| None);
     }
     Ok(Some(Seen::Scene(DEFAULT_SCENE.into())))
 }

@@ -65,6 +65,8 @@ impl Drawing {
             cancel: Some(&session.late),
             ..session.options(job.frame, &job.set, &program)
         };
+        let camera = picture.camera(&program, &job.set, &session.fixed.spaces)?;
+        let options = camera.options(options);
         let unset = RunOptions { set: Vec::new(), ..options.clone() };
         let params = program.params(&picture.image, &unset)?;
         self.tell(session, job, &program, params);

@@ -282,6 +282,11 @@ impl Server {
             missing: if picture.inputs.list.is_empty() { None } else { Some(&missing) },
             ..self.session.options(*frame, set, program)
         };
+        let camera = match picture.camera(program, set, &self.session.fixed.spaces) {
+            Ok(camera) => camera,
+            Err(failure) => return Err((400, failure.message())),
+        };
+        let options = camera.options(options);
         let wanted = TraceOptions { depth: u32::MAX, ..TraceOptions::default() };
         match program.trace(&picture.image, column, row, &options, &wanted) {
             Ok(trace) => {

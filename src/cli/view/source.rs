@@ -1,13 +1,16 @@
 //! The image that the preview works on: files or a scene, read as far as programs ask for it.
 
 use super::PreviewArgs;
+use crate::cli::camera::{Camera, CameraRequest};
 use crate::cli::failure::Failure;
 use crate::cli::frames::has_pattern;
 use crate::cli::input::{InputArg, Inputs, MapArg};
 use crate::cli::run::{frame, reading, scene};
-use crate::image::{Image, Input};
+use crate::cli::scene::ViewArgs;
+use crate::image::{Image, Input, Matrix4};
 use crate::program::Program;
 use crate::scene::Renderer;
+use crate::value::PixelValue;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,6 +23,8 @@ pub(super) struct Pictures {
     scene: Option<Renderer>,
     /// Standard input and pipes, which can be read once only, by their paths.
     pipes: BTreeMap<PathBuf, Input>,
+    /// The view options, if it is an image that is looked at.
+    view: Option<Arc<ViewArgs>>,
     /// What was read last.
     kept: Option<Kept>,
 }
@@ -40,6 +45,32 @@ pub(super) struct Picture {
     pub image: Arc<Image<'static>>,
     /// The files, to tell what they have.
     pub inputs: Arc<Inputs>,
+    /// The view options, if it is an image that is looked at.
+    view: Option<Arc<ViewArgs>>,
+}
+
+impl Picture {
+    /// The camera, found from the points of the files if the program reads it and nothing else tells it.
+    pub fn camera(
+        &self,
+        program: &Program,
+        set: &[(String, PixelValue)],
+        spaces: &[(String, Matrix4)],
+    ) -> Result<Camera<'_>, Failure> {
+        let variables: Vec<String> = self.image.variables.iter().map(|v| v.name.clone()).collect();
+        let request = CameraRequest {
+            program,
+            view: self.view.as_deref(),
+            inputs: &self.inputs,
+            about: &self.image,
+            variables: &variables,
+            set,
+            spaces,
+        };
+        let camera = request.find()?;
+        camera.report();
+        Ok(camera)
+    }
 }
 
 impl Pictures {
@@ -60,6 +91,7 @@ impl Pictures {
             map: images.map.clone(),
             raw: args.raw,
             scene,
+            view: images.view_of_image().cloned().map(Arc::new),
             kept: None,
         })
     }
@@ -95,7 +127,11 @@ impl Pictures {
         let (mut wanted, _) = reading(program, also, false, false);
         if let Some(kept) = self.kept.as_ref().filter(|kept| kept.of == of) {
             if wanted.iter().all(|name| kept.names.contains(name)) {
-                return Ok(Picture { image: Arc::clone(&kept.image), inputs: Arc::clone(&kept.inputs) });
+                return Ok(Picture {
+                    image: Arc::clone(&kept.image),
+                    inputs: Arc::clone(&kept.inputs),
+                    view: self.view.clone(),
+                });
             }
             // What was wanted will be again.
             wanted
@@ -115,7 +151,8 @@ impl Pictures {
         }
         drop(reader);
         let image = Arc::new(image);
-        let picture = Picture { image: Arc::clone(&image), inputs: Arc::clone(&inputs) };
+        let view = self.view.clone();
+        let picture = Picture { image: Arc::clone(&image), inputs: Arc::clone(&inputs), view };
         self.kept = Some(Kept { of, names: wanted, inputs, image });
         Ok(picture)
     }

@@ -1,6 +1,6 @@
 //! From space to the picture.
 
-use super::resection;
+use super::resection::{ResectionError, resect};
 use crate::image::{Image, Matrix4, Metadata};
 use crate::scene::SceneError;
 use crate::scene::camera::Camera;
@@ -33,13 +33,16 @@ impl Projection {
         known.then_some(Projection { rows, size })
     }
 
-    /// As the header's attribute `worldToNDC` tells it; or else found from the points of the image itself, if these
-    /// say where each pixel looks.
-    pub fn of(image: &Image<'_>) -> Option<Projection> {
+    /// The camera of an image: that of the header's attribute `worldToNDC`, or else the one that saw the image's points.
+    ///
+    /// # Errors
+    /// If the header has none, and the points do not tell it.
+    pub fn of(image: &Image<'_>) -> Result<Projection, ResectionError> {
         let written = image.metadata.attributes.matrix("worldToNDC");
-        written
-            .and_then(|screen| Projection::new(&screen, image.resolution()))
-            .or_else(|| resection::find(image))
+        match written.and_then(|screen| Projection::new(&screen, image.resolution())) {
+            Some(projection) => Ok(projection),
+            None => resect(image).map(|found| found.projection),
+        }
     }
 
     /// A camera at `eye` that has `look_at` in the middle of the picture and z upwards, and the vertical angle `fov` in degrees.
@@ -57,20 +60,30 @@ impl Projection {
         Projection::new(&screen, size).ok_or(SceneError::BadFov(fov))
     }
 
-    /// Writes the camera into an image's header, for programs that look for `worldToCamera` and `worldToNDC`.
-    pub fn note(&self, metadata: &mut Metadata) {
+    /// The matrices from the world to the camera and to the screen, in the conventions of the built-in scenes: the camera
+    /// looks along -z, x to the right and y to the top; the screen goes from 0 to 1, y to the top, and z is one over the
+    /// depth.
+    pub fn spaces(&self) -> [Matrix4; 2] {
         let [width, height] = self.size.map(|n| n as f64);
         let [column, row, depth] = self.rows;
         let screen = [column / width, depth - row / height, DVec4::W, depth];
-        // The camera looks along -z; which way its x goes is that of the columns, across the view.
         let forward = depth.truncate();
-        let right = (column.truncate() - forward * column.truncate().dot(forward)).normalize_or_zero();
+        // Which way x and y go is that of columns and rows, across the view: a mirrored picture has a mirrored camera.
+        let across = |row: DVec3| (row - forward * row.dot(forward)).normalize_or_zero();
+        let right = across(column.truncate());
+        let up = across(-row.truncate());
+        let up = (up - right * up.dot(right)).normalize_or_zero();
         let eye = self.eye();
         let axis = |a: DVec3| a.extend(-a.dot(eye));
-        let camera = [axis(right), axis(right.cross(forward)), axis(-forward), DVec4::W];
-        let numbers = |rows: [DVec4; 4]| rows.map(|row| row.to_array().map(|x| x as f32));
-        metadata.attributes.set_matrix("worldToCamera", &numbers(camera));
-        metadata.attributes.set_matrix("worldToNDC", &numbers(screen));
+        let camera = [axis(right), axis(up), axis(-forward), DVec4::W];
+        [camera, screen].map(|rows| rows.map(|row| row.to_array().map(|x| x as f32)))
+    }
+
+    /// Writes the camera into an image's header, as `worldToCamera` and `worldToNDC`.
+    pub fn note(&self, metadata: &mut Metadata) {
+        let [camera, screen] = self.spaces();
+        metadata.attributes.set_matrix("worldToCamera", &camera);
+        metadata.attributes.set_matrix("worldToNDC", &screen);
     }
 
     /// The depth along the view axis, which is negative behind the eye.
