@@ -230,8 +230,8 @@ impl Program {
     ///
     /// An error at the pixel is a part of the trace, behind what happened before it.
     ///
-    /// A program that asks how things change from pixel to pixel has the whole image looked through for neighbours. Two rows
-    /// above the pixel and two below it are enough, as an image of their own whose `metadata.origin` says where they lie.
+    /// A program that asks how things change from pixel to pixel has the whole image looked through for neighbours. Three rows
+    /// above the pixel and three below it are enough, as an image of their own whose `metadata.origin` says where they lie.
     ///
     /// ```
     /// use pse::{EventKind, Image, Program, RunOptions, TraceOptions};
@@ -375,7 +375,7 @@ pub struct Stream<'p> {
 
 impl Stream<'_> {
     /// Runs the next rows: those `rows` of what `image` holds. There may be others about them; a program that reads
-    /// `pixelsize` needs one above and one below. `metadata` says where in the picture the image lies.
+    /// `pixelsize` or asks for derivatives needs three above and three below. `metadata` says where in the picture the image lies.
     ///
     /// `None`: an output has more components here than it had in the rows before. They must all be run again, from the
     /// first on, and will then have as many.

@@ -96,9 +96,9 @@ pub(super) const FUNCTIONS: &[Builtin] = &[
         brief: "The change of an expression from this pixel to the next one of its row.",
         doc: "The whole program is run for the pixel and, beside it, with the input variables of the neighbour; the \
               neighbour's *shadow* follows the pixel's own way through conditions and loops, so that the two values \
-              can be compared. A neighbour on another `surface` does not count: then the change is taken from the \
-              neighbour on the other side, and without one it is 0. A derivative is the same in the shadows, so that \
-              `Du(Du(e))` is 0. What is the same for the whole frame has none.",
+              can be compared. A neighbour on another `surface`, or behind a silhouette of the same one, does not \
+              count: then the change is taken from the neighbour on the other side, and without one it is 0. A \
+              derivative is the same in the shadows, so that `Du(Du(e))` is 0. What is the same for the whole frame has none.",
         examples: &[ex("Du(3)", "0")],
         kernel: Kernel::Shadowed(along_row),
     },

@@ -9,6 +9,7 @@ use super::run::{Failure, Options, TEXTURE_MEMORY};
 use super::samples::is_id;
 use super::shadow::Neighbours;
 use super::spaces;
+use super::steps::Steps;
 use super::tracer::Tracer;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
@@ -174,9 +175,13 @@ pub(super) fn bind_traced<'r>(
 ) -> Result<Bound<'r>, Failure> {
     let moved = options.sampling().is_some();
     let seen = sampled.unwrap_or(image);
+    let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
+    let compares = program.derivatives || moved;
+    let sized = options.pixelsize.is_none() && (reads("pixelsize") || reads("pixel_freq"));
+    let steps = (compares || sized).then(|| Steps::of(seen));
     let mut bound = Bound {
         sources: Vec::new(),
-        neighbours: (program.derivatives || moved).then(|| Neighbours::of(seen)),
+        neighbours: steps.as_ref().filter(|_| compares).map(|steps| Neighbours::of(seen, steps)),
         width: image.width,
         origin: image.metadata.origin,
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
@@ -188,11 +193,9 @@ pub(super) fn bind_traced<'r>(
     check_set(program, options)?;
     let Frame { values, prints, .. } = frame::run(program, image, options, &bound, tracer)?;
     bound.prints = prints;
-    let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
-    let size: Option<Arc<[f32]>> = match options.pixelsize {
-        None if reads("pixelsize") || reads("pixel_freq") => Some(pixelsize::plane(seen).into()),
-        _ => None,
-    };
+    let size: Option<Arc<[f32]>> =
+        steps.as_ref().filter(|_| sized).map(|steps| pixelsize::plane(seen, steps).into());
+    drop(steps);
     let eye = if reads("eye") || reads("I") { spaces::eye(image, options) } else { None };
     let [columns, rows] = image.resolution();
     for (global, value) in program.globals.iter().zip(values) {

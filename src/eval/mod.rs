@@ -30,6 +30,7 @@ mod run;
 mod samples;
 mod shadow;
 mod spaces;
+mod steps;
 mod store;
 mod stream;
 mod trace;
@@ -47,6 +48,7 @@ pub use profile::{Profile, Spent};
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, TEXTURE_MEMORY};
 pub use samples::{Filter, Places, Resample, Sampling};
 pub(crate) use spaces::{has_space, no_eye};
+pub(crate) use steps::REACH;
 pub use stream::{Stream, run};
 pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 

@@ -11,9 +11,9 @@ use super::bind::{Bound, Source, incident};
 use super::fault::Result;
 use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
+use super::steps::{Along, Steps};
 use crate::image::Image;
 use crate::resolve::tree::Stmt;
-use crate::shape::Shape;
 use crate::value::{Lanes, Mask, Plane, Value};
 use rayon::prelude::*;
 use smallvec::smallvec;
@@ -22,7 +22,7 @@ use std::borrow::Cow;
 /// Lanes of a pixel that has shadows: itself, the next column's, the next row's.
 pub(super) const LANES: usize = 3;
 
-/// For each pixel, which of its neighbours are there and on the same surface.
+/// For each pixel, to which of its neighbours the surface goes on.
 pub(super) struct Neighbours {
     /// Bits [`AFTER`] and [`BEFORE`] of the row, then those of the column.
     bits: Vec<u8>,
@@ -35,21 +35,17 @@ const BEFORE: u8 = 2;
 const COLUMN: u8 = 2;
 
 impl Neighbours {
-    /// Looks at `surface`; where there is none, all pixels are of one.
-    pub fn of(image: &Image<'_>) -> Neighbours {
+    /// Looks for the neighbours of an image's pixels.
+    pub fn of(image: &Image<'_>, steps: &Steps<'_>) -> Neighbours {
         let (width, height) = (image.width, image.height);
-        let surface = image.variable("surface").filter(|s| s.shape == Shape::Scalar).map(|s| &s.planes[0]);
         let mut bits = vec![0u8; width * height];
         bits.par_chunks_mut(width.max(1)).enumerate().for_each(|(row, bits)| {
             for (column, bits) in bits.iter_mut().enumerate() {
-                let here = row * width + column;
-                let same = |there: usize| surface.is_none_or(|s| s[here] == s[there]);
-                let look = |after: bool, before: bool, step: usize| {
-                    let after = if after && same(here + step) { AFTER } else { 0 };
-                    after | if before && same(here - step) { BEFORE } else { 0 }
+                let look = |along| {
+                    let [after, before] = steps.line(along, column, row).sides();
+                    (u8::from(after) * AFTER) | (u8::from(before) * BEFORE)
                 };
-                let across = look(column + 1 < width, column > 0, 1);
-                *bits = across | look(row + 1 < height, row > 0, width) << COLUMN;
+                *bits = look(Along::Row) | look(Along::Column) << COLUMN;
             }
         });
         Neighbours { bits, width }
@@ -94,12 +90,6 @@ impl Bound<'_> {
         }
         out
     }
-}
-
-#[derive(Clone, Copy)]
-enum Along {
-    Row,
-    Column,
 }
 
 impl Source<'_> {

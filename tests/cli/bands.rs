@@ -28,6 +28,27 @@ fn bands_equal_the_whole() {
     assert!(piped.code == 0 && piped.out == f.read("also.exr"), "pipes");
 }
 
+/// Where one part of a surface hides another, a pixel is compared with several neighbours to each side.
+#[test]
+fn bands_and_regions_agree_at_silhouettes() {
+    let f = Folder::new();
+    f.write("p.pse", "color = [pixelsize Du(uv.x) turbulence(4 * point)] + filterwidth(point)\n");
+    let view = "--scene donut --eye 0,-5,1 --size 900x800";
+    f.good(&format!("run p.pse {view} -o bands.exr"));
+    f.good(&format!("run p.pse {view} -o whole.exr --repeat 1"));
+    assert!(f.read("bands.exr") == f.read("whole.exr"));
+    let whole = f.planes("whole.exr", "color");
+    for top in [190, 203, 217, 288] {
+        f.good(&format!("run p.pse {view} --region 150,{top},751,{} -o part.exr", top + 2));
+        for (part, whole) in f.planes("part.exr", "color").iter().zip(&whole) {
+            for row in 0..2 {
+                let of = &whole[(top + row) * 900 + 150..][..601];
+                assert!(of == &part[row * 601..][..601], "row {row} of the region at {top}");
+            }
+        }
+    }
+}
+
 #[test]
 fn an_output_that_becomes_wider_on_the_way() {
     let f = Folder::new();

@@ -39,6 +39,8 @@ fn what_is_joined_has_the_bytes_of_one_run() {
     f.same_in_tiles([3, 4], all, "", &[".exr", ".png", ".jpg"]);
     f.same_in_tiles([2, 1], all, "--half --bits 16", &[".exr", ".tif"]);
     f.same_in_tiles([1, 5], "p.pse --size 64x48 --samples 3 --filter mitchell", "", &[".exr", ".png"]);
+    // Where one part of the surface hides another, several pixels to each side are compared.
+    f.same_in_tiles([3, 7], "p.pse --scene donut --eye 0,-5,1 --size 101x67 --vars color,N,m", "", &[".exr"]);
     // Pictures of a variable that is no colour, and plain numbers.
     f.same_in_tiles([2, 2], "p.pse --size 64x48 --vars N", "", &[".png", ".exr"]);
     f.same_in_tiles([2, 2], "-e n=1-depth/9 --size 64x48 --vars n", "", &[".png", ".hdr"]);

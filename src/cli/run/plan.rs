@@ -7,7 +7,7 @@ use crate::cli::progress::Style;
 use crate::cli::scene::Seen;
 use crate::cli::{frames, output, source, tiles};
 use crate::diagnostic::SourceId;
-use crate::eval::MAX_THREADS;
+use crate::eval::{MAX_THREADS, REACH};
 use crate::image::{Format, Matrix4, same_file};
 use crate::lanes::Isa;
 use crate::program::{Program, RunOptions};
@@ -310,10 +310,10 @@ pub(in crate::cli) fn reading(
 ) -> (Vec<String>, usize) {
     let sizes = reads_size(program) && !sized;
     let near = sizes || program.resolved().derivatives || sampled;
-    // What tells which neighbours count, and where they are seen from.
+    // Points and surfaces tell to which neighbours a surface goes on; `I` is the direction to a point.
     let incident = program.inputs().any(|name| name == "I");
-    let looks = [("point", sizes || incident), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
-    (wanted(program, vars, looks), if near { 2 } else { 0 })
+    let looks = [("point", near || incident), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
+    (wanted(program, vars, looks), if near { REACH } else { 0 })
 }
 
 /// The variables that the program may take from an image.
