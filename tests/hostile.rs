@@ -299,7 +299,12 @@ fn files() {
         fs::read_dir(folder).expect("a folder").map(|e| e.expect("a file").path()).collect();
     real.retain(|path| path.extension().is_some_and(|e| e == "exr"));
     real.sort();
-    for path in real {
+    let kinds = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/kinds");
+    let mut kinds: Vec<_> =
+        fs::read_dir(kinds).expect("a folder").map(|e| e.expect("a file").path()).collect();
+    kinds.retain(|path| !path.extension().is_some_and(|e| e == "txt" || e == "py"));
+    kinds.sort();
+    for path in real.into_iter().chain(kinds) {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         list.push((name, fs::read(&path).expect("an image")));
     }

@@ -10,6 +10,18 @@ pub fn srgb_to_linear(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
+/// A linear component as an encoded one; below 0 as its opposite.
+pub fn linear_to_srgb(linear: f64) -> f64 {
+    let size = linear.abs();
+    let encoded = if size <= 0.003_130_8 { size * 12.92 } else { 1.055 * libm::pow(size, 1.0 / 2.4) - 0.055 };
+    encoded.copysign(linear)
+}
+
+/// The linear value of an encoded number of any size; below 0 as its opposite.
+pub fn decode(encoded: f32) -> f32 {
+    (srgb_to_linear(f64::from(encoded.abs())) as f32).copysign(encoded)
+}
+
 /// Linear values of the codes `0..=max`, and the least linear value that encodes to each code above 0.
 struct Table {
     linear: Vec<f32>,

@@ -31,6 +31,10 @@ pub enum Samples {
     Byte,
     /// 16-bit codes.
     Short,
+    /// 64-bit floats.
+    Double,
+    /// Whole numbers of this many bits.
+    Bits(u8),
 }
 
 /// A channel of a file.

@@ -154,6 +154,7 @@ pub fn info(file: &File) -> Result<Info, ImageError> {
                     channels[index].add(plane, &mut sums[index]);
                 }
             }
+            notes.extend(raster.notes());
             (raster.format.to_string(), Vec::new())
         }
     };
@@ -358,17 +359,19 @@ impl fmt::Display for Info {
             vec![["channel", "type", "min", "max", "mean", "NaN", "inf", "variable"].map(String::from)];
         for c in &self.channels {
             let kind = match c.samples {
-                Samples::Half => "half",
-                Samples::Float => "float",
-                Samples::Uint => "uint",
-                Samples::Byte => "8 bit",
-                Samples::Short => "16 bit",
+                Samples::Half => "half".to_string(),
+                Samples::Float => "float".into(),
+                Samples::Double => "double".into(),
+                Samples::Uint => "uint".into(),
+                Samples::Byte => "8 bit".into(),
+                Samples::Short => "16 bit".into(),
+                Samples::Bits(bits) => format!("{bits} bit"),
             };
             let finite = c.count > c.nan + c.infinite;
             let number = |v: f64| if finite { short(v) } else { "-".into() };
             rows.push([
                 c.name.clone(),
-                kind.into(),
+                kind,
                 number(f64::from(c.min)),
                 number(f64::from(c.max)),
                 number(c.mean),

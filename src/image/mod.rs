@@ -6,12 +6,17 @@
 
 mod atomic;
 mod bind;
+mod bmp;
 pub mod color;
 mod error;
 mod file;
 pub(crate) mod guard;
+mod hdr;
 mod info;
+mod jpeg;
+mod layout;
 mod names;
+mod png_chunks;
 mod read_exr;
 mod read_raster;
 mod rows;
@@ -20,10 +25,13 @@ mod scan_raster;
 mod sequence;
 mod source;
 mod stamp;
+mod tga;
+mod tiff;
 mod write;
 mod write_exr;
 mod write_png;
 mod write_raster;
+mod write_tiff;
 
 #[cfg(test)]
 mod tests;

@@ -201,7 +201,10 @@ impl Input {
 /// Whether these first bytes are those of an image, as far as that can be told: TGA files have no mark there.
 fn begins_as_image(name: &str, bytes: &[u8]) -> bool {
     let tga = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
-    tga || bytes.starts_with(&super::read_exr::MAGIC) || ::image::guess_format(bytes).is_ok()
+    tga || bytes.starts_with(&super::read_exr::MAGIC)
+        || super::tiff::is_tiff(bytes)
+        || super::hdr::is_hdr(&bytes[..bytes.len().min(super::hdr::LONGEST_HEADER as usize)])
+        || ::image::guess_format(bytes).is_ok()
 }
 
 /// A reader of a temporary file that others read too.

@@ -96,8 +96,7 @@ pub struct WriteOptions {
     pub bits: Option<u8>,
     /// JPEG: 1 to 100.
     pub quality: u8,
-    /// Formats with whole numbers: write `color` as it is, 0..1, with no sRGB encoding and no
-    /// un-premultiplication.
+    /// Pictures: write `color` as it is, with no sRGB encoding and no division by alpha; whole numbers from 0 to 1.
     pub raw: bool,
     /// EXR and PNG: a word for the header that says which run the file comes from; see [`is_whole`](super::is_whole).
     pub stamp: Option<String>,

@@ -1,19 +1,22 @@
 //! PNG, JPEG, TIFF, HDR, BMP, TGA and WebP: the picture, `color` and `alpha`, in the display window.
 //!
 //! Whole numbers are encoded to sRGB and clipped to 0..1, NaN as 0. `color` is premultiplied in memory;
-//! where alpha is written, these formats want it divided out. Pixels of the display window for which
+//! where alpha is written, it is divided out, also of floats, and a TIFF says so in a tag. Pixels of the display window for which
 //! the image has no data are black and transparent; those outside it are left out.
 
 use super::error::ImageError;
 use super::write::{Format, WriteOptions, unwritable};
 use super::write_png::PngWriter;
+use super::write_tiff;
 use super::{Image, color};
 use crate::shape::Shape;
-use ::image::codecs::{bmp, hdr, jpeg, tga, tiff, webp};
-use ::image::{ExtendedColorType, ImageEncoder, ImageResult, Rgb};
+use ::image::codecs::{bmp, hdr, jpeg, tga, webp};
+use ::image::error::{EncodingError, ImageFormatHint};
+use ::image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageResult, Rgb};
 use rayon::prelude::*;
 use std::io::{BufWriter, Seek, Write};
 use std::ops::Range;
+use tiff::tags::ExtraSamples;
 
 /// The picture: three planes of colour or one of grey three times, and alpha.
 struct Picture<'a> {
@@ -88,9 +91,7 @@ impl RasterWriter {
         let inside = |row: i64| row.clamp(0, self.size[1] as i64) as usize;
         let rows = inside(top)..inside(top + image.height as i64);
         self.blank(rows.start, out)?;
-        let whole = self.bits != 32;
-        let pixels =
-            pixels(image, &picture, self.size[0], rows.clone(), self.count, whole && !self.options.raw);
+        let pixels = pixels(image, &picture, self.size[0], rows.clone(), self.count, !self.options.raw);
         let raw = self.options.raw;
         let codes: Vec<u8> = match self.bits {
             8 => codes(&pixels, self.count, |v, linear| {
@@ -136,21 +137,28 @@ impl RasterWriter {
             Sink::Png(writer) => return writer.finish(out),
             Sink::Whole(bytes) => bytes,
         };
-        let kind = match (bits, count) {
-            (8, 3) => ExtendedColorType::Rgb8,
-            (8, _) => ExtendedColorType::Rgba8,
-            (16, 3) => ExtendedColorType::Rgb16,
-            (16, _) => ExtendedColorType::Rgba16,
-            (_, 3) => ExtendedColorType::Rgb32F,
-            _ => ExtendedColorType::Rgba32F,
-        };
+        let kind = if count == 3 { ExtendedColorType::Rgb8 } else { ExtendedColorType::Rgba8 };
         let mut out = BufWriter::new(out);
         let (w, h) = (size[0] as u32, size[1] as u32);
         let done: ImageResult<()> = match format {
             Format::Exr | Format::Png => unreachable!("they have writers of their own"),
             Format::Jpeg => jpeg::JpegEncoder::new_with_quality(&mut out, options.quality.clamp(1, 100))
                 .write_image(&bytes, w, h, kind),
-            Format::Tiff => tiff::TiffEncoder::new(&mut out).write_image(&bytes, w, h, kind),
+            Format::Tiff => {
+                let alpha = match options.raw {
+                    true => ExtraSamples::AssociatedAlpha,
+                    false => ExtraSamples::UnassociatedAlpha,
+                };
+                let alpha = (count == 4).then_some(alpha);
+                let written = write_tiff::write(&mut out, size, bits, alpha, &bytes);
+                written.map_err(|e| match e {
+                    tiff::TiffError::IoError(e) => ::image::ImageError::IoError(e),
+                    other => ::image::ImageError::Encoding(EncodingError::new(
+                        ImageFormatHint::Exact(ImageFormat::Tiff),
+                        other,
+                    )),
+                })
+            }
             Format::Bmp => bmp::BmpEncoder::new(&mut out).write_image(&bytes, w, h, kind),
             Format::Tga => tga::TgaEncoder::new(&mut out).write_image(&bytes, w, h, kind),
             Format::Webp => webp::WebPEncoder::new_lossless(&mut out).write_image(&bytes, w, h, kind),

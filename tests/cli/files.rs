@@ -19,6 +19,27 @@ fn pipes_carry_images() {
     f.bad(2, "run -e white -i - -i a=-", &["cannot both be standard input"]);
 }
 
+#[test]
+fn pictures_are_turned_as_they_say() {
+    let f = Folder::new();
+    let kinds = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/kinds");
+    let info = f.good(&format!("info {kinds}/turned_6.jpg")).text;
+    assert!(
+        info.contains("JPEG, 24 x 20") && info.contains("Orientation 6 of the file is applied"),
+        "{info}"
+    );
+    let info = f.good(&format!("info {kinds}/turned_6.jpg --raw")).text;
+    assert!(info.contains("JPEG, 20 x 24") && info.contains("not applied, because of --raw"), "{info}");
+    f.good(&format!("run -q -e color=color -i {kinds}/turned_6.png -o a.exr"));
+    f.good(&format!("run -q -e color=color -i {kinds}/turned_6.tif -o b.exr"));
+    assert_eq!(f.planes("a.exr", "color"), f.planes("b.exr", "color"));
+    let bytes = fs::read(format!("{kinds}/turned_3.jpg")).unwrap();
+    fs::write(f.path("cut.jpg"), &bytes[..bytes.len() * 3 / 4]).unwrap();
+    for command in ["info cut.jpg", "run -q -e color=color -i cut.jpg -o c.exr"] {
+        f.bad(1, command, &["`cut.jpg` is damaged or incomplete: it ends too early"]);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_closed_pipe_is_no_failure() {

@@ -2,6 +2,7 @@
 
 mod damage;
 mod gbuffers;
+mod kinds;
 mod parts;
 mod renderers;
 mod round_trip;

@@ -291,3 +291,40 @@ fn what_cannot_be_written_says_why() {
     let error = Format::of(std::path::Path::new("a.gif")).unwrap_err();
     assert!(error.hints[0].contains(".exr .png .jpg"), "{:?}", error.hints);
 }
+
+#[test]
+fn tiff_files_say_what_their_alpha_is() {
+    let plane = |v: f32| plane(&[v; 6]);
+    let variables = vec![Variable {
+        name: "color".into(),
+        shape: Shape::Vector(4),
+        planes: vec![plane(0.25), plane(0.125), plane(0.0), plane(0.5)],
+    }];
+    let image = Image { width: 3, height: 2, variables, metadata: Metadata::default() };
+    for raw in [false, true] {
+        for bits in [8, 16, 32] {
+            let options = WriteOptions { bits: Some(bits), raw, ..Default::default() };
+            let bytes = encode("a.tif", Format::Tiff, &image, &options).unwrap();
+            // ExtraSamples, one short number: 2 is "not multiplied", 1 "multiplied".
+            let kind = if raw { 1 } else { 2 };
+            let tag = [[0x52, 1, 3, 0, 1, 0, 0, 0, kind], [1, 0x52, 0, 3, 0, 0, 0, 1, 0]];
+            assert!(bytes.windows(9).any(|w| w == tag[0] || w == tag[1]), "{bits} {raw}");
+            let options = ReadOptions { raw: true, ..Default::default() };
+            let stored = read(Input::from_bytes("a.tif", bytes.clone()), &options).unwrap();
+            let stored = stored.load(&["color"]).unwrap().variables[0].planes[0][0];
+            let expected = match (raw, bits) {
+                (true, _) => 0.25,
+                (false, 32) => 0.5,
+                (false, _) => color::linear_to_srgb(0.5) as f32,
+            };
+            assert!((stored - expected).abs() < 0.003, "{bits} {raw}: {stored}");
+            if !raw {
+                let back = read(Input::from_bytes("a.tif", bytes), &ReadOptions::default()).unwrap();
+                let back = back.load(&["color", "alpha"]).unwrap();
+                let near = |c: usize, v: f32| (back.variables[0].planes[c][0] - v).abs() < 0.003;
+                assert!(near(0, 0.25) && near(1, 0.125), "{bits}");
+                assert!((back.variables[1].planes[0][0] - 0.5).abs() < 0.003);
+            }
+        }
+    }
+}
