@@ -1,7 +1,7 @@
 //! Where imported programs and textures come from: the disk for the command, memory for tests and embedders.
 
 use crate::files::{Folders, outside};
-use crate::image::{Input, has_pattern};
+use crate::image::{Content, Input, has_pattern, recorded};
 use crate::syntax::MAX_TEXT;
 use crate::texture::Origin;
 use std::collections::HashMap;
@@ -113,7 +113,7 @@ impl Disk {
         for file in &places {
             let text = match open_text(file) {
                 Some(text) => Ok(text),
-                None => folders.open(file).and_then(read_text),
+                None => recorded(file, Content::Program, folders.open(file)).and_then(read_text),
             };
             match text {
                 Ok(text) => return Ok((file.display().to_string(), text)),
@@ -162,7 +162,7 @@ fn reason(error: &io::Error) -> String {
         ErrorKind::IsADirectory => "it is a directory".into(),
         ErrorKind::InvalidData => "it is not UTF-8 text".into(),
         _ => match outside(error) {
-            Some(folder) => format!("{error}; `--path {}` allows it", folder.display()),
+            Some(folder) => format!("{error}; `--path {}` allows it", crate::quote::path(folder)),
             None => error.to_string(),
         },
     }

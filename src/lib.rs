@@ -18,6 +18,7 @@ pub mod measure;
 pub mod mesh;
 pub mod noise;
 mod program;
+mod quote;
 pub mod reference;
 pub mod resolve;
 pub mod scene;

@@ -5,7 +5,7 @@ mod ask;
 use crate::diagnostic::{Diagnostic, Sources, Style};
 use crate::eval::{self, HostFunction};
 use crate::host::{Host, NoFiles};
-use crate::image::{Image, Variable};
+use crate::image::{Frame, Image, Variable};
 use crate::resolve::{self, HostFunctions, Resolved};
 use crate::shape::Shape;
 use crate::value::PixelValue;
@@ -306,7 +306,8 @@ impl Program {
 
     /// The files on disk that it is made of in a frame: its own, its imports, and the images for look-ups. Texts that
     /// came from elsewhere are named as their host names them.
-    pub fn files(&self, frame: f32) -> Vec<PathBuf> {
+    pub fn files(&self, frame: impl Into<Frame>) -> Vec<PathBuf> {
+        let frame = frame.into();
         let texts = self.resolved.sources.iter().map(|source| source.name.as_str());
         let texts = texts.filter(|name| !name.starts_with("library/")).map(PathBuf::from);
         let textures = self.resolved.textures.iter();
@@ -316,8 +317,7 @@ impl Program {
 
     /// Does it look up another file in each frame?
     pub fn has_texture_sequence(&self) -> bool {
-        let textures = &self.resolved.textures;
-        textures.iter().any(|(source, _)| source.path(0.0).ok() != source.path(1.0).ok())
+        self.resolved.textures.iter().any(|(source, _)| source.is_sequence())
     }
 
     /// Has it, or an import of it, a function of that name?

@@ -18,6 +18,8 @@ mod frames;
 mod job;
 #[path = "cli/noise.rs"]
 mod noise;
+#[path = "cli/outputs.rs"]
+mod outputs;
 #[path = "cli/run.rs"]
 mod run;
 #[path = "cli/samples.rs"]

@@ -314,3 +314,89 @@ fn a_program_reads_nothing_that_it_was_not_given() {
         f.bad("ulimit -v 2000000; pse check - < /dev/zero", &["longer than 16 MiB"]);
     }
 }
+
+/// Waits until a process has ended.
+fn wait_for(child: &mut Child, seconds: u64) -> Option<i32> {
+    let begun = Instant::now();
+    while begun.elapsed().as_secs() < seconds {
+        if let Some(status) = child.try_wait().expect("a state") {
+            return Some(status.code().unwrap_or(-1));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let _ = child.kill();
+    None
+}
+
+#[test]
+fn one_request_ends_what_waits_for_nobody() {
+    let f = Folder::new();
+    f.good("mkfifo unread.exr empty.exr");
+    for (name, arguments) in [
+        ("TERM", "run -e white --size 64x64 -o unread.exr"),
+        ("HUP", "scene card --size 64x64 -o unread.exr"),
+        ("INT", "noise value --size 64 -o unread.exr"),
+        ("TERM", "run -e color -i empty.exr -o a.exr"),
+    ] {
+        let mut child = f.start(arguments, Stdio::null());
+        std::thread::sleep(Duration::from_millis(700));
+        assert!(child.try_wait().expect("a state").is_none(), "{arguments} does not wait");
+        signal(&child, name);
+        // Two seconds, and what a busy machine adds.
+        assert_eq!(wait_for(&mut child, 20), Some(130), "pse {arguments}");
+        assert_eq!(f.names(), ["empty.exr", "unread.exr"], "pse {arguments}");
+    }
+}
+
+#[test]
+fn requests_at_any_moment_leave_nothing() {
+    let f = Folder::new();
+    let long: String = (0..3000).map(|i| format!("a{i}   =  {i}\n")).collect();
+    f.write("p.pse", "color = white\n");
+    f.write("t.pse", "color = texture(\"t.exr\", 0, 0, channel = \"point\")\n");
+    f.write("long.pse", &long);
+    f.good("pse scene card --size 900x900 -o t.exr -q");
+    f.good("cp long.pse other.pse; pse fmt other.pse");
+    let formatted = f.read("other.pse");
+    let (mut random, mut ended_early) = (Random(7), 0);
+    for round in 0..48 {
+        let name = ["TERM", "HUP", "INT"][round % 3];
+        let arguments = [
+            "noise value --size 64 -q -o n.png",
+            "job t.pse -o j -q",
+            "fmt long.pse",
+            "run t.pse --size 400x400 -q -o r.exr",
+        ][round / 3 % 4];
+        f.write("long.pse", &long);
+        let mut child = f.start(arguments, Stdio::null());
+        std::thread::sleep(Duration::from_micros(random.below(60_000) as u64));
+        signal(&child, name);
+        let code = wait_for(&mut child, 60);
+        ended_early += usize::from(code != Some(0));
+        // Before it listens, a signal ends it as any process.
+        assert!(matches!(code, Some(0 | 130 | -1)), "{name} pse {arguments}: {code:?}");
+        let left: Vec<String> = f.names().into_iter().filter(|name| name.starts_with(".pse-")).collect();
+        assert!(left.is_empty(), "{name} pse {arguments}: {left:?}");
+        let text = f.read("long.pse");
+        assert!(text == long.as_bytes() || text == formatted, "{name}: half of a program");
+        if f.path("j").exists() {
+            assert!(!f.path("j/.pse-staged").exists(), "{name} pse {arguments}");
+            assert!(f.path("j/template.json").exists() && f.path("j/program/t.exr").exists(), "{name}");
+        }
+    }
+    assert!(ended_early >= 8, "{ended_early} of 48 were ended before their end");
+}
+
+#[test]
+fn signals_that_were_ignored_stay_ignored() {
+    let f = Folder::new();
+    f.write("slow.pse", SLOW);
+    let mut command = Command::new("sh");
+    let line = "trap '' HUP; exec \"$PSE\" run slow.pse --size 300x300 -q -o out.exr";
+    command.args(["-c", line]).current_dir(f.0.path()).env("PSE", env!("CARGO_BIN_EXE_pse"));
+    let mut child = command.stdin(Stdio::null()).spawn().expect("a shell");
+    f.wait_for_output();
+    signal(&child, "HUP");
+    assert!(child.wait().expect("it ends").success());
+    assert_eq!(f.names(), ["out.exr", "slow.pse"]);
+}

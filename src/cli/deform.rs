@@ -1,15 +1,15 @@
 //! `pse deform`: a program at every vertex of a mesh.
 
 use super::failure::{Failure, warn};
-use super::frames::{self, Frames};
+use super::frames::{self, Chosen, FrameArg, FrameSource, Frames};
 use super::interrupt::{self, CANCEL};
 use super::model;
 use super::output;
 use super::prints::Shown;
 use super::progress::{Meter, Style};
-use super::run::{LimitArgs, frame, set};
+use super::run::{LimitArgs, set};
 use super::source::{self, ProgramArgs};
-use crate::image::{check_target, same_file};
+use crate::image::check_target;
 use crate::mesh::{Deform, Format};
 use crate::program::RunOptions;
 use clap::Args;
@@ -35,11 +35,11 @@ pub(super) struct DeformArgs {
     /// Set a param to an expression: who=7
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// The number of the frame
+    /// The number of the frame; that in the name of the mesh if not given
     #[arg(long, value_name = "N", conflicts_with = "frames", allow_negative_numbers = true)]
-    frame: Option<f32>,
-    /// Several frames: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
-    #[arg(long, value_name = "LIST")]
+    frame: Option<FrameArg>,
+    /// Several frames: 1-24, -3-3, 1,5,9 or 1-20x2. Names of files may hold the number as ####, @@@@, %d or %04d
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<Frames>,
     /// How fine a detail of noise may be, instead of the mean length of the edges
     #[arg(long, value_name = "SIZE")]
@@ -59,21 +59,14 @@ pub(super) struct DeformArgs {
 
 /// Moves the vertices in each frame.
 pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
+    output::force(args.force);
     let pattern = args.output.to_string_lossy();
-    let mut list = vec![frame(args.frame, [args.mesh.as_str(), &pattern].into_iter())?];
-    if let Some(frames) = &args.frames {
-        list =
-            frames.0.iter().map(|&n| frame(Some(n as f32), std::iter::empty())).collect::<Result<_, _>>()?;
-    }
+    let mesh = FrameSource { path: &args.mesh, named: false };
+    let chosen = Chosen::new(args.frames.as_ref(), args.frame, &[mesh], std::iter::once(&*pattern))?;
+    let list = &chosen.frames;
     if list.len() > 1 && !frames::has_pattern(&pattern) {
         return Err(Failure::usage(format!("{} frames cannot all be written to {pattern}", list.len()))
             .hint("Give a place for the frame's number: -o head.####.obj."));
-    }
-    if frames::has_pattern(&pattern) && list.iter().any(|frame| frame.number.is_none()) {
-        return Err(Failure::usage(format!(
-            "{pattern} has a place for the frame's number, and none is given"
-        ))
-        .hint("Give the frames: --frames 1-24, or --frame 1."));
     }
     Format::to_write(&args.output)?;
     let (name, text) = args.program.read()?;
@@ -89,23 +82,25 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
             "Vertices have no such neighbours: leave out derivatives, and give look-ups in images a width.",
         ));
     }
+    list.iter().try_for_each(|&frame| frames::check_textures(&program, frame))?;
+    if !args.quiet {
+        chosen.notes(&program).iter().for_each(|note| warn(note));
+    }
     let meter = Meter::new(&name, Style::Bar, args.quiet, list.len());
     let mut kept: Option<(PathBuf, Deform)> = None;
     let mut shown = Shown::new(if args.quiet { 0 } else { args.print });
     for (i, frame) in list.iter().enumerate() {
-        let fill = |path: &str| PathBuf::from(frame.number.map_or(path.into(), |n| frames::fill(path, n)));
-        let (input, target) = (fill(&args.mesh), fill(&pattern));
-        if !args.force && same_file(&input, &target) {
-            let message = format!("the output `{}` is the input", target.display());
-            return Err(Failure::plain(message).hint("Write to another file, or add --force."));
-        }
+        let input = frames::input(&args.mesh, frame.number);
+        let target: PathBuf = frame.number.map_or(pattern.to_string(), |n| frames::fill(&pattern, n)).into();
         check_target(&target)?;
         let deform = match kept.take() {
             Some((path, deform)) if path == input => deform,
             _ => Deform::new(model::read(&input, args.quiet)?),
         };
+        // Now it is known what else the mesh is made of.
+        check_target(&target)?;
         if i == 0 {
-            interrupt::watch(true);
+            interrupt::cancel_command();
         }
         let missing = |_: &str| {
             let image = deform.image();
@@ -114,6 +109,7 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
         };
         let options = RunOptions {
             frame: frame.value,
+            frame_number: frame.number,
             set: args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?,
             outputs: Some(vec!["point".into()]),
             pixelsize: Some(args.pixelsize.unwrap_or_else(|| deform.spacing())),

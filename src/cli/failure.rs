@@ -46,6 +46,22 @@ impl Failure {
         self
     }
 
+    /// Adds a fact about what was worked on, behind the remedies.
+    pub fn context(mut self, text: String) -> Failure {
+        match &mut self {
+            Failure::Plain(diagnostic) | Failure::Usage(diagnostic) => diagnostic.hints.push(text),
+            Failure::Program(error) => {
+                error
+                    .diagnostics
+                    .last_mut()
+                    .iter_mut()
+                    .for_each(|diagnostic| diagnostic.hints.push(text.clone()));
+            }
+            Failure::Interrupted | Failure::Said | Failure::BrokenPipe => {}
+        }
+        self
+    }
+
     /// Is it the fault of what is worked on, so that it may go better with the next frame?
     pub fn is_of_frame(&self) -> bool {
         matches!(self, Failure::Program(_) | Failure::Plain(_))

@@ -2,18 +2,18 @@
 
 use super::camera;
 use super::failure::{Failure, warn};
-use super::frames::{self, Frames};
+use super::frames::{self, Chosen, Frame, FrameArg, Frames};
 use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
 use super::output;
 use super::progress::{Meter, Style};
-use super::run::{Frame, LimitArgs, frame, positive, scene, set, space};
+use super::run::{LimitArgs, positive, scene, set, space};
 use super::solid::{Bounds, bounds};
 use super::source::ProgramArgs;
 use crate::flow::{self, Flow, Pen, Trajectories};
 use crate::gbuffer::Projection;
 use crate::host::Disk;
-use crate::image::{Format, Image, Metadata, NewFile, WriteOptions, same_file, write};
+use crate::image::{Content, Format, Image, Metadata, NewFile, WriteOptions, record, write};
 use crate::program::RunOptions;
 use clap::Args;
 use std::io::{BufWriter, Write};
@@ -76,7 +76,7 @@ pub(super) struct FlowArgs {
 
     #[command(flatten)]
     images: ImageArgs,
-    /// The number of the frame
+    /// The number of the frame; that in the name or the header of the input if not given
     #[arg(
         long,
         value_name = "N",
@@ -84,9 +84,9 @@ pub(super) struct FlowArgs {
         conflicts_with = "frames",
         allow_negative_numbers = true
     )]
-    frame: Option<f32>,
-    /// Several frames: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
-    #[arg(long, value_name = "LIST", help_heading = "Frames")]
+    frame: Option<FrameArg>,
+    /// Several frames: 1-24, -3-3, 1,5,9 or 1-20x2. Names of files may hold the number as ####, @@@@, %d or %04d
+    #[arg(long, value_name = "LIST", help_heading = "Frames", allow_hyphen_values = true)]
     frames: Option<Frames>,
     /// How progress is told
     #[arg(long, value_enum, default_value_t, value_name = "STYLE", help_heading = "Frames")]
@@ -96,6 +96,9 @@ pub(super) struct FlowArgs {
     /// a .ply of points and edges. PROGRAM.png if not given
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Vec<PathBuf>,
+    /// Let an output replace an input, and one without -o a file that pse did not write
+    #[arg(long, help_heading = "Output")]
+    force: bool,
     /// Say nothing but errors
     #[arg(short, long, help_heading = "Output")]
     quiet: bool,
@@ -128,12 +131,22 @@ struct Start {
 
 /// Follows and draws, frame by frame.
 pub(super) fn flow(args: &FlowArgs) -> Result<(), Failure> {
-    interrupt::watch(true);
+    interrupt::cancel_command();
+    output::force(args.force);
+    let given: Vec<_> = args.output.iter().map(|path| path.to_string_lossy()).collect();
+    let given = given.iter().map(|path| &**path);
+    let chosen = Chosen::new(args.frames.as_ref(), args.frame, &args.images.frame_sources(), given)?;
+    let frames = &chosen.frames;
     let outputs = outputs(args)?;
     check(args)?;
     let (name, text) = args.program.read()?;
     let flow = Flow::compile(&Disk { path: args.program.path.clone() }, &name, &text)?;
-    let frames = frames(args)?;
+    for &frame in frames {
+        flow.programs().try_for_each(|program| frames::check_textures(program, frame))?;
+    }
+    // Either program may be the one that reads the frame.
+    let notes = flow.programs().map(|program| chosen.notes(program)).find(|notes| !notes.is_empty());
+    notes.iter().flatten().filter(|_| !args.quiet).for_each(|note| warn(note));
     let meter = Meter::new(&name, args.progress, args.quiet, frames.len());
     for (i, &frame) in frames.iter().enumerate() {
         if let Err(failure) = draw(args, &flow, &outputs, frame, &meter, args.stats && i == 0) {
@@ -160,12 +173,23 @@ fn draw(
         None => path.clone(),
     };
     let targets: Vec<PathBuf> = outputs.iter().map(named).collect();
-    let files = flow.files(frame.value);
-    targets.iter().try_for_each(|path| check_target(args, path, frame, &files))?;
+    // What is read later counts too.
+    let inputs = args.images.paths().map(|path| frames::input(path, frame.number));
+    inputs.for_each(|path| record(&path, Content::Data));
+    flow.files(frame).iter().for_each(|path| record(path, Content::Data));
+    for (i, path) in targets.iter().enumerate() {
+        check_output(path)?;
+        if args.output.is_empty() {
+            output::check_default(path, args.force)?;
+        }
+        output::check_distinct(path, targets[..i].iter().map(PathBuf::as_path))?;
+    }
     let start = start(args, frame)?;
+    targets.iter().try_for_each(|path| check_output(path))?;
     let tell = |progress| meter.update(progress);
     let options = RunOptions {
         frame: frame.value,
+        frame_number: frame.number,
         set: args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?,
         spaces: args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?,
         pixelsize: Some(args.images.pixelsize.unwrap_or_else(|| extent(&start.seeds).1 as f32 / 512.0)),
@@ -229,24 +253,13 @@ fn check(args: &FlowArgs) -> Result<(), Failure> {
 /// The most pixels of a picture: some 4 gigabytes of planes.
 const MAX_PIXELS: usize = 1 << 26;
 
-/// An output takes the place of no input.
-fn check_target(args: &FlowArgs, path: &Path, frame: Frame, textures: &[PathBuf]) -> Result<(), Failure> {
-    let filled =
-        |name: &str| frame.number.map_or_else(|| name.into(), |f| PathBuf::from(frames::fill(name, f)));
-    let inputs = args.images.paths().map(filled).chain(args.program.program.clone());
-    if let Some(input) = inputs.chain(textures.iter().cloned()).find(|input| same_file(input, path)) {
-        let message = format!("the output `{}` is the input `{}`", path.display(), input.display());
-        return Err(Failure::plain(message).hint("Write to another file."));
+/// Checks that a file can be written, and takes the place of nothing that is read.
+fn check_output(path: &Path) -> Result<(), Failure> {
+    if is_ply(path) {
+        return Ok(crate::image::check_target(path)?);
     }
-    Ok(())
-}
-
-/// The frames to draw.
-fn frames(args: &FlowArgs) -> Result<Vec<Frame>, Failure> {
-    match &args.frames {
-        Some(list) => Ok(list.0.iter().map(|&n| Frame { value: n as f32, number: Some(n) }).collect()),
-        None => Ok(vec![frame(args.frame, args.images.input.iter().map(|i| i.path.as_str()))?]),
-    }
+    let known = Format::of(path).is_ok();
+    output::check(path).map(drop).map_err(|f| if known { f } else { f.hint("Points are written as .ply.") })
 }
 
 /// The files to write, each of which can be written.
@@ -262,17 +275,7 @@ fn outputs(args: &FlowArgs) -> Result<Vec<PathBuf>, Failure> {
             let failure = Failure::usage(format!("several frames cannot all be written to {name}"));
             return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
         }
-        if frames::has_pattern(&name) && args.frame.is_none() && args.frames.is_none() {
-            let failure =
-                Failure::usage(format!("{name} has a place for the frame's number, and none is given"));
-            return Err(failure.hint("Give the frames: --frames 1-24, or --frame 1."));
-        }
-        if is_ply(path) {
-            crate::image::check_target(path)?;
-        } else {
-            let known = Format::of(path).is_ok();
-            output::check(path).map_err(|f| if known { f } else { f.hint("Points are written as .ply.") })?;
-        }
+        check_output(path)?;
     }
     Ok(outputs)
 }

@@ -3,7 +3,7 @@
 use super::failure::{Failure, print};
 use super::source::read;
 use crate::diagnostic::Sources;
-use crate::image::write_file;
+use crate::image::write_program;
 use crate::program::Error;
 use crate::syntax;
 use clap::Args;
@@ -62,7 +62,7 @@ fn one(path: &Path, check: bool) -> Result<bool, Failure> {
     if path.as_os_str() == "-" {
         print(&formatted)?;
     } else if formatted != text {
-        write_file(path, formatted.as_bytes())?;
+        write_program(path, &formatted)?;
     }
     Ok(true)
 }

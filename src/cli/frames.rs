@@ -1,13 +1,49 @@
-//! Frame numbers: lists of them, and their places in file names.
+//! Frame numbers: lists of them, and which one a command runs.
 
-pub(super) use crate::image::{fill, has_pattern};
+pub(super) use crate::image::{Frame, fill, has_pattern};
 
+use super::failure::Failure;
+use crate::image::{MAX_FRAME, frame_number};
+use crate::program::Program;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// The most frames of one run.
 const MAX_FRAMES: usize = 1_000_000;
 
-/// Frame numbers in the order in which they are run: `1-24`, `1,5,9`, `1-20x2`. Open Job Description writes `1-20:2`.
+/// A frame as `--frame` gives it: `7`, `-3`, or between two frames `2.5`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct FrameArg(pub Frame);
+
+impl FromStr for FrameArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<FrameArg, String> {
+        if let Ok(number) = text.trim().parse::<i64>() {
+            return number_within(number, text).map(|number| FrameArg(number.into()));
+        }
+        match text.trim().parse::<f64>() {
+            Ok(value) if (value as f32).is_finite() && value.abs() <= MAX_FRAME as f64 => {
+                Ok(FrameArg(value.into()))
+            }
+            _ if text.parse::<Frames>().is_ok() => {
+                Err(format!("`{text}` is a list of frames; use --frames {text}"))
+            }
+            _ => Err(format!("`{text}` is no frame; write a number like 7 or -3")),
+        }
+    }
+}
+
+/// A number that is not too large for a frame.
+fn number_within(number: i64, text: &str) -> Result<i64, String> {
+    match number.unsigned_abs() <= MAX_FRAME as u64 {
+        true => Ok(number),
+        false => Err(format!("`{}` is too large for a frame", text.trim())),
+    }
+}
+
+/// Frame numbers in the order in which they are run: `1-24`, `1,5,9`, `-3-3`, `1-20x2`. Open Job Description writes
+/// `1-20:2`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Frames(pub Vec<i64>);
 
@@ -15,9 +51,11 @@ impl FromStr for Frames {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Frames, String> {
-        const FORM: &str = "write 1-24, 1,5,9 or 1-20x2";
-        let number = |t: &str| {
-            t.trim().parse::<u32>().map(i64::from).map_err(|_| format!("`{t}` is no frame; {FORM}"))
+        const FORM: &str = "write 1-24, 1,5,9, -3-3 or 1-20x2";
+        let number = |t: &str| match t.trim().parse::<i64>() {
+            Ok(number) => number_within(number, t),
+            Err(_) if t.trim().is_empty() => Err(format!("a number is missing in `{text}`; {FORM}")),
+            Err(_) => Err(format!("`{}` is no frame; {FORM}", t.trim())),
         };
         let mut frames = Vec::new();
         for part in text.split(',') {
@@ -25,21 +63,145 @@ impl FromStr for Frames {
                 Some((range, step)) => (range, number(step)?),
                 None => (part, 1),
             };
-            if step == 0 {
-                return Err(format!("a step of 0 goes nowhere; {FORM}"));
-            }
-            let (first, last) = match range.split_once('-') {
-                Some((first, last)) => (number(first)?, number(last)?),
+            // The first minus sign belongs to the number, the one behind its digits makes the range.
+            let range = range.trim();
+            let digits = range.strip_prefix('-').unwrap_or(range);
+            let (first, last) = match digits.find('-') {
+                Some(at) => {
+                    let at = at + range.len() - digits.len();
+                    (number(&range[..at])?, number(&range[at + 1..])?)
+                }
                 None => (number(range)?, number(range)?),
             };
-            let count = (first.abs_diff(last) / step as u64 + 1) as usize;
-            if frames.len().saturating_add(count) > MAX_FRAMES {
+            // A range that runs down may have its step with the sign, as Open Job Description has it.
+            let step = if step < 0 && last < first { -step } else { step };
+            if step <= 0 {
+                return Err(format!("a step of {step} does not lead from {first} to {last}; {FORM}"));
+            }
+            let count = first.abs_diff(last) / step as u64 + 1;
+            if count > (MAX_FRAMES - frames.len()) as u64 {
                 return Err(format!("more than {MAX_FRAMES} frames"));
             }
             let step = if last < first { -step } else { step };
             frames.extend((0..count as i64).map(|i| first + i * step));
         }
         Ok(Frames(frames))
+    }
+}
+
+/// Which frames a command runs, and how it knows.
+pub(super) struct Chosen {
+    /// At least one.
+    pub frames: Vec<Frame>,
+    /// The file whose name or header has the number, if no option gives one.
+    pub source: Option<String>,
+}
+
+impl Chosen {
+    /// What `--frames` or `--frame` gives, or else the number that the inputs have. Names that need the number of a frame
+    /// are refused without one.
+    pub fn new<'n>(
+        list: Option<&Frames>,
+        one: Option<FrameArg>,
+        inputs: &[FrameSource<'n>],
+        outputs: impl Iterator<Item = &'n str>,
+    ) -> Result<Chosen, Failure> {
+        if let Some(list) = list {
+            let frames = list.0.iter().map(|&number| number.into()).collect();
+            return Ok(Chosen { frames, source: None });
+        }
+        let (frame, source) = given_or_found(one, inputs);
+        let needs = inputs.iter().map(|input| input.path).filter(|path| is_sequence(path));
+        let needs = needs.chain(outputs.filter(|name| has_pattern(name)));
+        for name in needs {
+            check_number(name, frame)?;
+        }
+        Ok(Chosen { frames: vec![frame], source })
+    }
+
+    /// What the user should know of the frames that a program reads: where the number comes from, and which number the
+    /// program does not see as it is.
+    pub fn notes(&self, program: &Program) -> Vec<String> {
+        let read = program.resolved().globals.iter().any(|g| g.name == "frame" && g.read.is_some());
+        let mut notes = Vec::new();
+        if let (Some(source), [Frame { number: Some(number), .. }], true) =
+            (&self.source, &self.frames[..], read)
+        {
+            notes.push(format!("frame {number}, as `{source}` says; --frame gives another"));
+        }
+        let rounded = |frame: &&Frame| frame.number.is_some_and(|number| number != frame.value as i64);
+        if let Some(Frame { value, number: Some(number) }) = self.frames.iter().find(rounded).filter(|_| read)
+        {
+            notes.push(format!(
+                "the program reads frame {number} as {value}: above 16777216 not every whole number is a 32-bit float"
+            ));
+        }
+        notes
+    }
+}
+
+/// The frame that `--frame` gives, or else the inputs, and which of these says so; 0 without a number if none does.
+pub(super) fn given_or_found(one: Option<FrameArg>, inputs: &[FrameSource<'_>]) -> (Frame, Option<String>) {
+    match one {
+        Some(FrameArg(frame)) => (frame, None),
+        None => of_inputs(inputs).map_or_else(Default::default, |(number, name)| (number.into(), Some(name))),
+    }
+}
+
+/// An input that may say which frame it is of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameSource<'n> {
+    /// The file.
+    pub path: &'n str,
+    /// Whether its variables have a name before them in the program, so that it stands beside the input proper.
+    pub named: bool,
+}
+
+/// The number that the inputs have in their names or headers, and the file that it comes from: those without a name, else
+/// those with one. Several that disagree have none.
+fn of_inputs(inputs: &[FrameSource<'_>]) -> Option<(i64, String)> {
+    let files = |named: bool| {
+        let files = inputs.iter().filter(move |input| input.named == named).map(|input| input.path);
+        let files = files.filter(|path| *path != "-" && !is_sequence(path));
+        files.filter_map(|path| Some((frame_number(Path::new(path))?, path.to_string())))
+    };
+    let mut numbers = [false, true].into_iter().map(|named| files(named).collect::<Vec<_>>());
+    let numbers = numbers.find(|numbers| !numbers.is_empty())?;
+    numbers.iter().all(|(number, _)| *number == numbers[0].0).then(|| numbers[0].clone())
+}
+
+/// Whether an input is another file in each frame: its name has a place for the number, and no file is called so.
+pub(super) fn is_sequence(path: &str) -> bool {
+    has_pattern(path) && !Path::new(path).exists()
+}
+
+/// The file of an input in a frame.
+pub(super) fn input(path: &str, number: Option<i64>) -> PathBuf {
+    match number {
+        Some(number) if is_sequence(path) => fill(path, number).into(),
+        _ => path.into(),
+    }
+}
+
+/// Refuses a name that needs the number of a frame which has none.
+pub(super) fn check_number(name: &str, frame: Frame) -> Result<(), Failure> {
+    match frame {
+        Frame { number: Some(_), .. } => Ok(()),
+        Frame { value, .. } if value != 0.0 => {
+            let message = format!("{name} has no place for frame {value}, only for whole numbers");
+            Err(Failure::usage(message).hint("Give a whole number: --frame 1."))
+        }
+        _ => Err(Failure::usage(format!("{name} has a place for the frame's number, and none is given"))
+            .hint("Give it with --frame 1; commands that run several frames take --frames 1-24.")),
+    }
+}
+
+/// Refuses textures whose names need the number of a frame which has none: one message, whatever the program looks up.
+pub(super) fn check_textures(program: &Program, frame: Frame) -> Result<(), Failure> {
+    let mut textures = program.resolved().textures.iter().map(|(source, _)| source);
+    match textures.find(|source| source.is_sequence()) {
+        Some(source) => check_number(&format!("the texture `{}`", source.name), frame),
+        None => Ok(()),
     }
 }
 
@@ -78,6 +240,8 @@ mod tests {
         assert_eq!(text(&[1, 5, 9, 10, 11]), "1-9x4,10-11");
         assert_eq!(text(&[1, 5]), "1,5");
         assert_eq!(text(&[]), "");
+        assert_eq!(text(&[-3, -2, -1, 0]), "-3-0");
+        assert_eq!(text(&[-7, -5, -3]), "-7--3x2");
     }
 
     #[test]
@@ -88,8 +252,47 @@ mod tests {
         assert_eq!(frames("1-8x3,20"), Ok(vec![1, 4, 7, 20]));
         assert_eq!(frames("3-1"), Ok(vec![3, 2, 1]));
         assert_eq!(frames("1-8:3"), Ok(vec![1, 4, 7]));
-        for text in ["", "a", "1-", "1-3x0", "1-4000000000", "1,,2", "1-2-3"] {
+        assert_eq!(frames("-3--1"), Ok(vec![-3, -2, -1]));
+        assert_eq!(frames("-1-1"), Ok(vec![-1, 0, 1]));
+        assert_eq!(frames("1--1"), Ok(vec![1, 0, -1]));
+        assert_eq!(frames("-4"), Ok(vec![-4]));
+        assert_eq!(frames("-9--1x4,7"), Ok(vec![-9, -5, -1, 7]));
+        assert_eq!(frames("5-1:-2"), Ok(vec![5, 3, 1]));
+        assert_eq!(frames("20240613-20240615"), Ok(vec![20_240_613, 20_240_614, 20_240_615]));
+        let wrong = [
+            "",
+            "a",
+            "1-",
+            "1-3x0",
+            "1-4000000000",
+            "1,,2",
+            "1-2-3",
+            "--3",
+            "-",
+            "1-3x-1",
+            "1.5",
+            "1-3x",
+            "-9999999999999999-9999999999999999",
+            "99999999999999999999",
+            "1e3",
+        ];
+        for text in wrong {
             assert!(frames(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn one_frame_is_exact() {
+        let frame = |t: &str| t.parse::<FrameArg>().map(|f| f.0);
+        assert_eq!(frame("20240613").unwrap().number, Some(20_240_613));
+        assert_eq!(frame("99999999").unwrap().number, Some(99_999_999));
+        assert_eq!(frame("-3").unwrap(), Frame { value: -3.0, number: Some(-3) });
+        assert_eq!(frame("2.5").unwrap(), Frame { value: 2.5, number: None });
+        assert_eq!(frame("3.0").unwrap().number, Some(3));
+        assert!(frame("1-3").unwrap_err().contains("use --frames 1-3"));
+        assert!(frame("1,5").unwrap_err().contains("use --frames 1,5"));
+        for text in ["nan", "inf", "", "x", "1e30", "9999999999999999"] {
+            assert!(frame(text).is_err(), "{text}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::camera::FoundCamera;
 use super::failure::Failure;
-use super::frames;
+use super::frames::{self, FrameSource};
 use super::region::Region;
 use super::scene::ViewArgs;
 use crate::image::{ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, Rows, read};
@@ -10,7 +10,7 @@ use crate::scene::Renderer;
 use crate::solid::Isosurface;
 use clap::Args;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::str::FromStr;
 use std::sync::OnceLock;
 
@@ -102,19 +102,15 @@ impl ImageArgs {
         (!scene).then_some(&self.view)
     }
 
+    /// The same files, to find the frame that they are of.
+    pub fn frame_sources(&self) -> Vec<FrameSource<'_>> {
+        let images = self.input.iter().map(|i| FrameSource { path: &i.path, named: i.name.is_some() });
+        images.chain(self.view.mesh.as_deref().map(|path| FrameSource { path, named: false })).collect()
+    }
+
     /// Is nothing named to run on?
     pub fn is_empty(&self) -> bool {
         self.scene.is_none() && self.paths().next().is_none()
-    }
-}
-
-/// The failure to read a file, with a hint if its name still has a place for the frame's number.
-pub(super) fn of_sequence(failure: Failure, name: &str) -> Failure {
-    match frames::has_pattern(name) {
-        true => {
-            failure.hint("The name has a place for the frame's number: give --frame 1, or --frames 1-24.")
-        }
-        false => failure,
     }
 }
 
@@ -263,11 +259,10 @@ impl Inputs {
                 let name = arg.name.as_deref().unwrap_or_default();
                 return Err(Failure::usage(format!("two inputs are called {name}")));
             }
-            let path: PathBuf = frame.map_or_else(|| arg.path.clone(), |f| frames::fill(&arg.path, f)).into();
+            let path = frames::input(&arg.path, frame);
             let own = |m: &&MapArg| m.image == arg.name;
             let maps = maps.iter().filter(own).map(|m| m.mapping.clone()).collect();
-            let file = read(source(&path)?, &ReadOptions { maps, raw })
-                .map_err(|error| of_sequence(error.into(), &path.to_string_lossy()))?;
+            let file = read(source(&path)?, &ReadOptions { maps, raw })?;
             list.push(Opened { name: arg.name.clone(), file });
         }
         Ok(Inputs { list, resection: OnceLock::new() })

@@ -2,15 +2,17 @@
 
 mod bundle;
 mod files;
+mod manifest;
 mod template;
 mod words;
 
 use super::failure::{Failure, print, warn};
-use super::frames;
-use super::run::Plan;
+use super::frames::{self, Frame};
+use super::run::{Plan, RunArgs};
 use super::tiles::Tiles;
+use crate::quote;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use words::RunWords;
 
 const EXAMPLES: &str = "\
@@ -52,6 +54,39 @@ fn name(text: &str) -> Result<String, String> {
     }
 }
 
+/// Refuses frames whose files are not there: a task for one could only fail.
+fn check_frames(args: &RunArgs, plan: &Plan) -> Result<(), Failure> {
+    let images = args.images.paths().filter(|path| !(*path == "head" && args.images.view.mesh.is_some()));
+    let files = images.map(|path| (path.to_string(), frames::is_sequence(path)));
+    let textures = plan.program.resolved().textures.iter().filter(|(source, _)| source.is_sequence());
+    let file = |path: &str, frame: Frame| frames::input(path, frame.number);
+    let missing =
+        |path: &str| plan.frames.iter().filter(|frame| !file(path, **frame).exists()).collect::<Vec<_>>();
+    let textures = textures.filter_map(|(source, _)| source.pattern());
+    for (path, several) in files.chain(textures.map(|path| (path, true))) {
+        let missing: Vec<i64> = missing(&path).iter().filter_map(|frame| frame.number).collect();
+        if !several && !Path::new(&path).exists() {
+            return Err(Failure::plain(format!("cannot read `{path}`: there is no such file")));
+        }
+        if let Some(first) = missing.first().filter(|_| several) {
+            let there = plan.frames.iter().filter_map(|frame| frame.number).filter(|n| !missing.contains(n));
+            let there: Vec<i64> = there.collect();
+            let (s, are) = if missing.len() == 1 { ("", "is") } else { ("s", "are") };
+            let list = frames::ranges(&missing, "x");
+            let failure = Failure::plain(format!("frame{s} {list} of `{path}` {are} not there"));
+            return Err(match there.is_empty() {
+                true => {
+                    failure.hint(format!("The first would be `{}`.", file(&path, (*first).into()).display()))
+                }
+                false => {
+                    failure.hint(format!("Give those that are: --frames {}", frames::ranges(&there, "x")))
+                }
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Writes the bundle.
 pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
     let RunWords { run, words } = &args.run;
@@ -65,11 +100,18 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
         return Err(Failure::usage("a job has no place for the program of --iso")
             .hint("Write the solid with pse scene --iso, and give the file with -i."));
     }
+    check_frames(run, &plan)?;
+    let job_name = match &args.name {
+        Some(name) => name.clone(),
+        None => name(&run.program.stem()).map_err(|e| {
+            Failure::usage(e).hint("The program's name is too long for it. Give one with --name.")
+        })?,
+    };
     let pictures = pictures(run.output.clone(), &run.program.stem(), run.frames.is_some())?;
     let ranges = run.frames.as_ref().map(|frames| frames::ranges(&frames.0, ":"));
     let files = files::Files::of(run, &plan)?;
     let template = template::Template {
-        name: args.name.clone().unwrap_or_else(|| run.program.stem()),
+        name: job_name,
         frames: ranges,
         chunk: args.chunk,
         tiles: args.tiles,
@@ -80,15 +122,20 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
         paths: files.paths(),
         inputs: template::Inputs::of(&run.images.input, run.images.view.mesh.as_deref())?,
     };
-    let text = template.json()?;
-    let values = template.inputs.values();
-    let texts = [("template.json", Some(text)), ("parameter_values.json", values)];
-    bundle::write(&args.bundle, &files, &texts)?;
+    let texts = bundle::Texts {
+        template: template.json(files::FOLDER)?,
+        interim: template.json(&bundle::staged_folder())?,
+        values: template.inputs.values(),
+    };
+    bundle::write(&args.bundle, &files, &texts, run.force)?;
     if !run.quiet {
         let path = args.bundle.join("template.json");
         warn(&format!("wrote {}, {}", path.display(), template.tasks(run.frames.as_ref())));
-        let values = template.inputs.folders().map(|(name, folder)| format!(" -p {name}='{folder}'"));
-        print(&format!("openjd run {}{}\n", path.display(), values.collect::<String>()))?;
+        let value = |(name, folder): (&str, &Path)| {
+            format!(" -p {}", quote::word(&format!("{name}={}", folder.to_string_lossy())))
+        };
+        let values: String = template.inputs.folders().map(value).collect();
+        print(&format!("openjd run {}{values}\n", quote::path(&path)))?;
     }
     Ok(())
 }

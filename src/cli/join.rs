@@ -1,7 +1,7 @@
 //! `pse join`: the tiles of a picture put together.
 
 use super::failure::{Failure, warn};
-use super::frames::{self, Frames};
+use super::frames::{self, Frame, Frames};
 use super::interrupt;
 use super::output;
 use super::region::{Region, bands};
@@ -37,8 +37,8 @@ pub(super) struct JoinArgs {
     /// What is given is all, though a part of the picture at the rim is in none of it
     #[arg(long, conflicts_with = "tiles")]
     partial: bool,
-    /// Several pictures: 1-24, 1,5,9 or 1-20x2. Names may hold the number as ####, @@@@, %d or %04d
-    #[arg(long, value_name = "LIST")]
+    /// Several pictures: 1-24, -3-3, 1,5,9 or 1-20x2. Names of files may hold the number as ####, @@@@, %d or %04d
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<Frames>,
     /// A file to write, several if repeated; the extension tells the format
     #[arg(short, long, required = true, value_name = "FILE")]
@@ -55,6 +55,9 @@ pub(super) struct JoinArgs {
     /// Make the folders of the outputs
     #[arg(long)]
     mkdir: bool,
+    /// Let an output replace a tile
+    #[arg(long)]
+    force: bool,
     /// Say nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -62,7 +65,8 @@ pub(super) struct JoinArgs {
 
 /// Joins each frame's tiles.
 pub(super) fn join(args: &JoinArgs) -> Result<(), Failure> {
-    interrupt::watch(true);
+    interrupt::cancel_command();
+    output::force(args.force);
     for path in &args.output {
         Format::of(path)?;
         let frames = args.frames.as_ref().map_or(0, |f| f.0.len());
@@ -79,6 +83,10 @@ pub(super) fn join(args: &JoinArgs) -> Result<(), Failure> {
             });
         }
     }
+    if args.frames.is_none() {
+        let sequence = args.files.iter().find(|name| frames::is_sequence(name));
+        sequence.map_or(Ok(()), |name| frames::check_number(name, Frame::default()))?;
+    }
     match &args.frames {
         Some(frames) => frames.0.iter().try_for_each(|&frame| args.frame(Some(frame))),
         None => args.frame(None),
@@ -88,7 +96,8 @@ pub(super) fn join(args: &JoinArgs) -> Result<(), Failure> {
 impl JoinArgs {
     fn frame(&self, frame: Option<i64>) -> Result<(), Failure> {
         let name = |name: &str| frame.map_or_else(|| name.to_string(), |f| frames::fill(name, f));
-        let joined = Joined::open(&self.names(name)?)?;
+        let tile = |name: &str| frames::input(name, frame).to_string_lossy().into_owned();
+        let joined = Joined::open(&self.names(tile)?)?;
         let mut writers = Vec::new();
         let options =
             WriteOptions { half: self.half, bits: self.bits, raw: self.raw, ..WriteOptions::default() };
@@ -108,11 +117,7 @@ impl JoinArgs {
                 output::make_folder(&path)?;
             }
             let format = output::check(&path)?;
-            if let Some(tile) =
-                joined.tiles.iter().find(|t| crate::image::same_file(&path, Path::new(&t.file.name())))
-            {
-                return Err(Failure::plain(format!("the output is the tile `{}`", tile.file.name())));
-            }
+            output::check_distinct(&path, writers.iter().map(|(_, _, path): &(_, _, PathBuf)| &**path))?;
             let shown = if format == Format::Exr { None } else { Some(joined.shown(&path)?) };
             writers.push((Writer::create(&path, height, &options)?, shown, path));
         }

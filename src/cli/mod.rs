@@ -36,6 +36,7 @@ mod tiles;
 mod trace;
 mod view;
 
+use crate::image::protect_inputs;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -106,6 +107,9 @@ enum Command {
 /// Does what the arguments say, and tells how it ended.
 pub fn run(cli: Cli) -> ExitCode {
     interrupt::survive_file_limits();
+    interrupt::listen();
+    // Whatever a command writes, it replaces nothing that it reads.
+    protect_inputs();
     let outcome = match cli.command {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::View(args)) => view::view(&args),

@@ -1,7 +1,6 @@
 //! Meshes that are looked at: read once, and kept for the next frame.
 
 use super::failure::{Failure, warn};
-use super::input::of_sequence;
 use super::progress::{Meter, Style};
 use crate::mesh::{self, Format};
 use crate::program::Progress;
@@ -53,8 +52,7 @@ pub(super) fn read(path: &Path, quiet: bool) -> Result<mesh::Mesh, Failure> {
         return Ok(mesh::head());
     }
     let meter = Meter::new(&path.display().to_string(), Style::Bar, quiet, 1);
-    let file = mesh::read(path, &|done, total| meter.update(Progress { done, total }))
-        .map_err(|error| of_sequence(error.into(), &path.to_string_lossy()))?;
+    let file = mesh::read(path, &|done, total| meter.update(Progress { done, total }))?;
     meter.frame();
     if !quiet {
         for note in &file.notes {

@@ -41,7 +41,7 @@ pub(super) struct NoiseArgs {
     #[arg(value_name = "KIND[,OPTION=VALUE]")]
     kinds: Vec<String>,
     /// Tell all that is known of the kinds
-    #[arg(long, conflicts_with_all = ["output", "set", "seed", "dimensions", "size"])]
+    #[arg(long, conflicts_with_all = ["output", "set", "seed", "dimensions", "size", "force"])]
     list: bool,
     /// The picture to write, noise.png if there are kinds and it is not given; - is standard output, as EXR
     #[arg(short, long, value_name = "FILE")]
@@ -58,6 +58,9 @@ pub(super) struct NoiseArgs {
     /// The side of a plane section, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 192, value_parser = clap::value_parser!(u16).range(64..=1024))]
     size: u16,
+    /// Let noise.png, written without -o, replace a file that pse did not write
+    #[arg(long)]
+    force: bool,
     /// Say nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -78,6 +81,9 @@ pub(super) fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     };
     let path = args.output.clone().unwrap_or_else(|| "noise.png".into());
     output::check(&path)?;
+    if args.output.is_none() {
+        output::check_default(&path, args.force)?;
+    }
     let meter = Meter::new("noise", Style::Bar, args.quiet, 1);
     let image = sheet::draw(&rows, usize::from(args.size), |progress| meter.update(progress));
     meter.frame();

@@ -1,7 +1,7 @@
 //! The files that come out: whether they can be written, and what of a run goes into them.
 
 use super::failure::{Failure, why};
-use crate::image::{Format, Image, check_target};
+use crate::image::{Force, Format, Image, check_target, same_target, set_force, written_by_pse};
 use crate::program::Program;
 use crate::shape::Shape;
 use std::borrow::Cow;
@@ -20,6 +20,38 @@ pub(super) fn check(path: &Path) -> Result<Format, Failure> {
     }
     check_target(path)?;
     Ok(format)
+}
+
+/// Checks the file of a name that the user did not choose: one that another program wrote is not replaced.
+pub(super) fn check_default(path: &Path, force: bool) -> Result<(), Failure> {
+    // A link to no file yet replaces nothing.
+    if force || std::fs::metadata(path).is_err() || written_by_pse(path) {
+        return Ok(());
+    }
+    let shown = path.display();
+    Err(Failure::plain(format!("`{shown}` exists, and pse did not write it"))
+        .hint("Give a name with -o. To replace the file, add --force."))
+}
+
+/// Whether an output is one of those before it, under whatever name.
+pub(super) fn check_distinct<'p>(path: &Path, before: impl Iterator<Item = &'p Path>) -> Result<(), Failure> {
+    let mut same =
+        before.filter(|other| *other == path || path.as_os_str() != "-" && same_target(other, path));
+    match same.next() {
+        Some(other) if other == path => {
+            Err(Failure::usage(format!("two outputs are called {}", shown(path))))
+        }
+        Some(other) => {
+            let (one, two) = (other.display(), path.display());
+            Err(Failure::usage(format!("the outputs `{one}` and `{two}` are one file")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// What `--force` means for the files that a command writes.
+pub(super) fn force(given: bool) {
+    set_force(if given { Force::Given } else { Force::Offered });
 }
 
 /// Makes the folder that a file is to lie in.

@@ -6,6 +6,7 @@ mod picture;
 mod session;
 
 use super::failure::{Failure, print, warn};
+use super::frames::{Chosen, Frame, FrameArg};
 use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
 use super::run::{LimitArgs, scene, set, space};
@@ -35,9 +36,9 @@ pub(super) struct ReplArgs {
     /// Set a param to an expression: veins=6
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// The number of the frame
-    #[arg(long, value_name = "N", default_value_t = 0.0, allow_negative_numbers = true)]
-    frame: f32,
+    /// The number of the frame; that in the name or the header of the input if not given
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    frame: Option<FrameArg>,
     /// Look for imported files and for textures in this folder too
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
@@ -47,15 +48,17 @@ pub(super) struct ReplArgs {
 
 /// Runs a session until its end.
 pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
-    let (image, inputs) = load(args)?;
+    let chosen = Chosen::new(None, args.frame, &args.images.frame_sources(), std::iter::empty())?;
+    let frame = chosen.frames[0];
+    let (image, inputs) = load(args, frame)?;
     let view = args.images.view_of_image().cloned();
     let mut session = Session::new(image, inputs, view, args.path.clone());
-    session.frame = args.frame;
+    session.frame = frame;
     session.pixelsize = args.images.pixelsize;
     session.limits = args.limits.limits();
-    session.set = args.set.iter().map(|text| set(text, args.frame)).collect::<Result<_, _>>()?;
+    session.set = args.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?;
     session.spaces =
-        args.images.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
+        args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?;
     if let Some(program) = &args.program {
         print(&session.load(program)?)?;
     }
@@ -66,9 +69,10 @@ pub(super) fn repl(args: &ReplArgs) -> Result<(), Failure> {
 }
 
 /// All that the inputs hold.
-fn load(args: &ReplArgs) -> Result<(Image<'static>, Inputs), Failure> {
-    let inputs = Inputs::open(&args.images.input, &args.images.map, false, None)?;
-    let scene = scene(&args.images)?.map(|seen| args.images.view.renderer(&seen, None, false)).transpose()?;
+fn load(args: &ReplArgs, frame: Frame) -> Result<(Image<'static>, Inputs), Failure> {
+    let inputs = Inputs::open(&args.images.input, &args.images.map, false, frame.number)?;
+    let seen = scene(&args.images)?;
+    let scene = seen.map(|seen| args.images.view.renderer(&seen, frame.number, false)).transpose()?;
     let names = inputs.variables();
     let mut reader = inputs.reader(scene.as_ref(), &names)?;
     let height = reader.about().height;
@@ -79,7 +83,7 @@ fn load(args: &ReplArgs) -> Result<(Image<'static>, Inputs), Failure> {
 
 /// With prompts, history and completion.
 fn at_terminal(mut session: Session) -> Result<(), Failure> {
-    interrupt::watch(false);
+    interrupt::cancel_answer();
     let mut editor = Editor::new()?;
     let about = session.about();
     println!("pse {}: {about}. :help tells what there is, :quit ends.", env!("CARGO_PKG_VERSION"));

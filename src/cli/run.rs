@@ -10,10 +10,10 @@ mod resume;
 mod stream;
 
 pub(super) use args::{LimitArgs, RunArgs, bits, positive};
-pub(super) use plan::{DEFAULT_SCENE, Frame, Plan, frame, reading, scene, set, space};
+pub(super) use plan::{DEFAULT_SCENE, Plan, reading, scene, set, space};
 
 use super::failure::{Failure, print, show, warn};
-use super::frames;
+use super::frames::{self, Frame};
 use super::interrupt::{self, CANCEL};
 use super::output;
 use super::prints::Shown;
@@ -46,7 +46,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         first: true,
     };
     let view = &args.images.view;
-    let moves = view.mesh.as_deref().is_some_and(frames::has_pattern) && plan.frames.len() > 1;
+    let moves = view.mesh.as_deref().is_some_and(frames::is_sequence) && plan.frames.len() > 1;
     if moves && !args.quiet && (view.eye.is_none() || view.look_at.is_none() || view.fov.is_none()) {
         warn("each mesh is framed by itself: give --eye, --look-at and --fov for a camera that stays");
     }
@@ -60,6 +60,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
                 skipped += 1;
             }
             Err(failure) => {
+                let failure = work.with_frame(failure, frame);
                 let go_on = args.keep_going && failure.is_of_frame();
                 let Some(number) = frame.number.filter(|_| go_on) else {
                     meter.fail(&failure.message());
@@ -108,10 +109,20 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
+    /// Names the frame and its files, where there are several.
+    fn with_frame(&self, failure: Failure, frame: Frame) -> Failure {
+        let Some(number) = frame.number.filter(|_| self.plan.frames.len() > 1) else { return failure };
+        let files = self.plan.inputs_of_frame(self.args, frame);
+        failure.context(match files.is_empty() {
+            true => format!("This is frame {number}."),
+            false => format!("This is frame {number}, which reads {}.", files.join(" and ")),
+        })
+    }
+
     fn frame(&mut self, frame: Frame) -> Result<Done, Failure> {
         let Work { args, plan, .. } = *self;
         // What cannot be written is said before the work.
-        let outputs = plan.outputs(args, frame.number)?;
+        let outputs = plan.outputs(args, frame)?;
         let stamp = match args.resume {
             true => self.hashes.of_frame(args, plan, frame)?,
             false => None,
@@ -120,7 +131,7 @@ impl Work<'_> {
             return Ok(Done::Skipped);
         }
         let start = Instant::now();
-        let moving = args.solid.iso.is_some() || args.images.paths().any(frames::has_pattern);
+        let moving = args.solid.iso.is_some() || args.images.paths().any(frames::is_sequence);
         let input = match self.kept.take() {
             Some(input) => input,
             None => {
@@ -129,13 +140,15 @@ impl Work<'_> {
                 FrameInput::open(args, plan, frame, keep)?
             }
         };
+        // Now it is known what else is read: the program of a solid, the data of a mesh.
+        outputs.iter().try_for_each(|output| output::check(&output.path).map(drop))?;
         let opened = start.elapsed();
         // From here on there are files to clean up. Before, where standard input may not end, an interrupt ends all.
         if self.first {
-            interrupt::watch(true);
+            interrupt::cancel_command();
         }
         let job = Job { args, plan, input: &input, outputs: &outputs, stamp: stamp.as_deref() };
-        let mut outcome = job.compute(self.meter, frame.value, self.prints.wanted())?;
+        let mut outcome = job.compute(self.meter, frame, self.prints.wanted())?;
         outcome.stats.read += opened;
         outcome.stats.wall += opened;
         if std::mem::take(&mut self.first) && !args.quiet {
@@ -154,6 +167,7 @@ impl Work<'_> {
             let scene = plan::DEFAULT_SCENE;
             warn(&format!("no input: this is the scene {scene} (see pse scene --list, or give -i FILE)"));
         }
+        self.plan.frame_notes.iter().for_each(|note| warn(note));
         if let Some(output) = outputs.iter().find(|o| self.args.resume && !o.format.holds_stamp()) {
             let shown = output::shown(&output.path);
             warn(&format!(
@@ -175,7 +189,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// Runs the frame, and tells how far it has come.
-    fn compute(&self, meter: &Meter, frame: f32, prints: usize) -> Result<Outcome, Failure> {
+    fn compute(&self, meter: &Meter, frame: Frame, prints: usize) -> Result<Outcome, Failure> {
         let Job { args, plan, input, outputs, stamp } = *self;
         let about = input.about()?;
         let done = AtomicUsize::new(0);
@@ -193,14 +207,15 @@ impl Job<'_> {
         };
         let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
         // What is set may depend on the frame.
-        let (set, spaces) = plan::values(args, frame)?;
+        let (set, spaces) = plan::values(args, frame.value)?;
         let set = plan.own(set, input.solid());
         let threads = args.threads.unwrap_or_else(rayon::current_num_threads);
         let (textures, values) = memory::shares(args, threads);
         let options = RunOptions {
             samples: args.sampling(),
             resample: input.is_seen().then_some(&resample as &Resample<'_>),
-            frame,
+            frame: frame.value,
+            frame_number: frame.number,
             set,
             pixelsize: args.images.pixelsize,
             spaces,
@@ -220,7 +235,7 @@ impl Job<'_> {
             missing: Some(&missing),
             ..RunOptions::default()
         };
-        let camera = input.camera(args, plan, frame)?;
+        let camera = input.camera(args, plan, frame.value)?;
         if !args.quiet {
             camera.report();
         }

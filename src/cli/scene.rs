@@ -1,7 +1,7 @@
 //! Built-in scenes and solids: `pse scene`, and the options that choose a view of one.
 
 use super::failure::{Failure, print, warn};
-use super::frames;
+use super::frames::{self, Chosen, Frame, FrameArg, FrameSource};
 use super::input::Finder;
 use super::interrupt;
 use super::model::{self, Up};
@@ -10,7 +10,7 @@ use super::progress::{Meter, Style};
 use super::region::bands;
 use super::run::set;
 use super::solid::{SolidArgs, tell, warn_unseen};
-use crate::image::{Format, WriteOptions, Writer};
+use crate::image::{Format, WriteOptions, Writer, check_target};
 use crate::mesh;
 use crate::program::{Limits, Progress};
 use crate::scene::{self, Options, Renderer, parse_point, parse_size};
@@ -99,8 +99,8 @@ impl ViewArgs {
         Ok(match seen {
             Seen::Scene(name) => Renderer::new(name, &options)?,
             Seen::Mesh(path) => {
-                let path = frame.map_or_else(|| path.clone(), |f| frames::fill(path, f));
-                let model = model::load(Path::new(&path), self.up.unwrap_or_default(), quiet)?;
+                let path = frames::input(path, frame);
+                let model = model::load(&path, self.up.unwrap_or_default(), quiet)?;
                 Renderer::of_model(&model, &options)?
             }
         })
@@ -143,6 +143,12 @@ pub(super) struct SceneArgs {
     /// The file to write, NAME.exr if not given; - is standard output. Of a solid also a mesh, with y up: .obj, .ply or .glb
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// The number of the frame, for a solid and in the names of files; that in the mesh's name if not given
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    frame: Option<FrameArg>,
+    /// Let the output replace an input, and one without -o a file that pse did not write
+    #[arg(long)]
+    force: bool,
     /// Say nothing but errors
     #[arg(short, long)]
     quiet: bool,
@@ -164,9 +170,6 @@ struct MakingArgs {
     /// Set a param of the solid's program to an expression: size=6
     #[arg(long, value_name = "NAME=VALUE", requires = "iso")]
     set: Vec<String>,
-    /// The number of the frame
-    #[arg(long, value_name = "N", requires = "iso", allow_negative_numbers = true, default_value_t = 0.0)]
-    frame: f32,
     /// Look for files that the solid's program imports in this folder too
     #[arg(long, value_name = "DIR", requires = "iso")]
     path: Vec<PathBuf>,
@@ -177,6 +180,7 @@ struct MakingArgs {
 
 /// Writes a scene's or a mesh's G-buffer, or lists the scenes.
 pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
+    output::force(args.force);
     if let Some(file) = &args.solid.iso {
         return solid(args, file);
     }
@@ -195,9 +199,11 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
     if let Seen::Scene(name) = &seen {
         scene::find(name)?;
     }
-    let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
+    let (frame, path) = args.frame_and_output(&name)?;
     output::check(&path)?;
-    let renderer = args.view.renderer(&seen, None, args.quiet)?;
+    let renderer = args.view.renderer(&seen, frame.number, args.quiet)?;
+    // Now it is known what the mesh is made of.
+    output::check(&path)?;
     let [width, height] = renderer.size();
     write(args, &name, &path, Finder::Scene(&renderer), bands(width, 0..height))?;
     let surfaces = renderer.surfaces();
@@ -206,6 +212,22 @@ pub(super) fn scene(args: &SceneArgs) -> Result<(), Failure> {
         warn(&format!("surface: {}", list.join(", ")));
     }
     Ok(())
+}
+
+impl SceneArgs {
+    /// The frame, and the file to write: `name` with the extension .exr if none is given.
+    fn frame_and_output(&self, name: &str) -> Result<(Frame, PathBuf), Failure> {
+        let path = self.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
+        let text = path.to_string_lossy();
+        let mesh = self.view.mesh.as_deref().map(|path| FrameSource { path, named: false });
+        let chosen = Chosen::new(None, self.frame, mesh.as_slice(), std::iter::once(&*text))?;
+        let frame = chosen.frames[0];
+        let path = frame.number.map_or_else(|| path.clone(), |number| frames::fill(&text, number).into());
+        if self.output.is_none() {
+            output::check_default(&path, self.force)?;
+        }
+        Ok((frame, path))
+    }
 }
 
 /// Writes the G-buffer of a solid, or a mesh of it.
@@ -218,11 +240,12 @@ fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
     }
     let stem = file.file_stem().filter(|_| file.as_os_str() != "-");
     let name = stem.map_or("solid".into(), |s| s.to_string_lossy().into_owned());
-    let path = args.output.clone().unwrap_or_else(|| format!("{name}.exr").into());
+    let (frame, path) = args.frame_and_output(&name)?;
     let meshed = mesh::Format::of(&path).is_some();
     match meshed {
         true => {
             mesh::Format::to_write(&path)?;
+            check_target(&path)?;
             if solid.soft {
                 return Err(Failure::usage("what is soft has no surface for a mesh")
                     .hint("Leave out --soft, or write an .exr file."));
@@ -234,10 +257,12 @@ fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
             output::check(&path).map_err(|f| if known { f } else { f.hint(meshes) })?;
         }
     }
-    let set = making.set.iter().map(|text| set(text, making.frame)).collect::<Result<_, _>>()?;
-    interrupt::watch(true);
-    let found = solid.open(view, &making.path, Limits::default(), set, making.frame)?;
+    let set = making.set.iter().map(|text| set(text, frame.value)).collect::<Result<_, _>>()?;
+    interrupt::cancel_command();
+    let found = solid.open(view, &making.path, Limits::default(), set, frame)?;
     let Some(found) = found else { return Ok(()) };
+    // Now it is known what the solid is made of.
+    check_target(&path)?;
     if meshed {
         let meter = Meter::new(&name, Style::Bar, args.quiet, 1);
         let mut mesh = found.mesh(making.resolution, &|progress| meter.update(progress))?;
@@ -283,7 +308,7 @@ fn write(
     let [width, height] = seen.size();
     let mut writer = Writer::create(path, height, &WriteOptions::default())?;
     let meter = Meter::new(name, Style::Bar, args.quiet, 1);
-    interrupt::watch(true);
+    interrupt::cancel_command();
     for rows in bands {
         let done = rows.end * width;
         writer.rows(&seen.rows(rows)?)?;

@@ -1,6 +1,7 @@
 //! Solids on the command line: which, how it is looked at, and what is told of it.
 
 use super::failure::{Failure, warn};
+use super::frames::{self, Frame};
 use super::input::Finder;
 use super::interrupt::CANCEL;
 use super::scene::ViewArgs;
@@ -70,11 +71,16 @@ impl SolidArgs {
         path: &[PathBuf],
         limits: Limits,
         set: Vec<(String, PixelValue)>,
-        frame: f32,
+        frame: Frame,
     ) -> Result<Option<Isosurface<'static>>, Failure> {
         let Some(file) = &self.iso else { return Ok(None) };
         let (name, text) = source::read(file)?;
         let host = Disk { path: path.to_vec() };
+        let compiler = Compiler::new().host(&host);
+        // What else is wrong with the program, it says below.
+        if let Ok(program) = compiler.compile(&name, &text) {
+            frames::check_textures(&program, frame)?;
+        }
         let default = SolidOptions::default();
         let options = SolidOptions {
             view: view.options(),
@@ -84,8 +90,15 @@ impl SolidArgs {
             soft: self.soft,
             step: self.step,
         };
-        let run = RunOptions { frame, set, limits, cancel: Some(&CANCEL), ..RunOptions::default() };
-        Ok(Some(Isosurface::new(&Compiler::new().host(&host), &name, &text, &options, &run)?))
+        let run = RunOptions {
+            frame: frame.value,
+            frame_number: frame.number,
+            set,
+            limits,
+            cancel: Some(&CANCEL),
+            ..RunOptions::default()
+        };
+        Ok(Some(Isosurface::new(&compiler, &name, &text, &options, &run)?))
     }
 }
 

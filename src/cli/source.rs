@@ -2,9 +2,9 @@
 
 use super::failure::{Failure, why};
 use crate::host::{Disk, read_text};
+use crate::image::{Content, record_standard_input, recorded};
 use crate::program::{Compiler, Program};
 use clap::Args;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Which program.
@@ -51,12 +51,13 @@ pub(super) fn compile(name: &str, text: &str, path: &[PathBuf]) -> Result<Progra
 /// The name in messages and the text of a program's file, or of standard input for `-`.
 pub(super) fn read(path: &Path) -> Result<(String, String), Failure> {
     if path.as_os_str() == "-" {
+        record_standard_input(Content::Program);
         let text = read_text(std::io::stdin().lock());
         let text = text.map_err(|e| Failure::plain(format!("cannot read standard input: {}", why(&e))))?;
         return Ok(("<standard input>".into(), text));
     }
     let shown = path.display().to_string();
-    match File::open(path).and_then(read_text) {
+    match recorded(path, Content::Program, std::fs::File::open(path)).and_then(read_text) {
         Ok(text) => Ok((shown, text)),
         Err(e) => {
             let failure = Failure::plain(format!("cannot read `{shown}`: {}", why(&e)));

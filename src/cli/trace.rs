@@ -5,9 +5,10 @@ mod text;
 
 use super::camera::CameraRequest;
 use super::failure::{Failure, print, warn};
+use super::frames::{Chosen, FrameArg, check_textures};
 use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
-use super::run::{DEFAULT_SCENE, LimitArgs, frame, reading, scene, set, space};
+use super::run::{DEFAULT_SCENE, LimitArgs, reading, scene, set, space};
 use super::source::{self, ProgramArgs};
 use crate::image::Image;
 use crate::program::{Error, Program, RunOptions, Trace, TraceOptions};
@@ -54,9 +55,9 @@ pub(super) struct TraceArgs {
     /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
     #[arg(long, help_heading = "Input")]
     raw: bool,
-    /// The number of the frame
+    /// The number of the frame; that in the name or the header of the input if not given
     #[arg(long, value_name = "N", help_heading = "Input", allow_negative_numbers = true)]
-    frame: Option<f32>,
+    frame: Option<FrameArg>,
     #[command(flatten)]
     limits: LimitArgs,
 }
@@ -82,14 +83,15 @@ impl FromStr for PixelArg {
 
 /// Tells what happens at the pixel.
 pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
-    interrupt::watch(true);
+    interrupt::cancel_command();
     if args.program.is_stdin() && args.images.input.iter().any(|i| i.path == "-") {
         return Err(Failure::usage("the program and an image cannot both be standard input"));
     }
-    let names = args.images.paths();
-    let frame = frame(args.frame, names)?;
+    let chosen = Chosen::new(None, args.frame, &args.images.frame_sources(), std::iter::empty())?;
+    let frame = chosen.frames[0];
     let (name, text) = args.program.read()?;
     let program = source::compile(&name, &text, &args.program.path)?;
+    check_textures(&program, frame)?;
     let set = args.set.iter().map(|text| set(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
     let spaces =
         args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
@@ -125,6 +127,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     };
     let options = RunOptions {
         frame: frame.value,
+        frame_number: frame.number,
         set,
         pixelsize: args.images.pixelsize,
         spaces,
@@ -138,6 +141,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let depth = if args.calls { u32::MAX } else { args.depth };
     let wanted = TraceOptions { depth, limit: args.limit };
     let trace = program.trace(&image, column, row - top, &options, &wanted)?;
+    chosen.notes(&program).iter().for_each(|note| warn(note));
     if args.images.is_empty() {
         warn(&format!("no input: this is the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"));
     }

@@ -13,6 +13,7 @@ mod told;
 mod watch;
 
 use super::failure::{Failure, print, warn};
+use super::frames::{Frame, FrameArg, given_or_found};
 use super::input::ImageArgs;
 use super::run::{LimitArgs, set, space};
 use clap::Args;
@@ -39,15 +40,9 @@ pub(super) struct PreviewArgs {
     /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
     #[arg(long, help_heading = "Input")]
     pub raw: bool,
-    /// The number of the frame to begin with
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0.0,
-        allow_negative_numbers = true,
-        help_heading = "Input"
-    )]
-    frame: f32,
+    /// The number of the frame to begin with; that in the name or the header of the input if not given
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Input")]
+    frame: Option<FrameArg>,
     /// Set a param to an expression to begin with: veins=6
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -64,16 +59,26 @@ pub(super) struct PreviewArgs {
     limits: LimitArgs,
 }
 
+impl PreviewArgs {
+    /// The frame to begin with.
+    fn first_frame(&self) -> Frame {
+        let (frame, _) = given_or_found(self.frame, &self.images.frame_sources());
+        // A preview always is at a frame: there is a slider for it.
+        Frame { number: frame.number.or(Frame::from(frame.value).number), ..frame }
+    }
+}
+
 /// Shows the page until it is interrupted, which ends it as it is: nothing is half written.
 pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
     let pictures = Pictures::new(args)?;
+    let frame = args.first_frame().value;
     let mut values = Vec::new();
     for text in &args.set {
-        let (name, value) = set(text, args.frame)?;
+        let (name, value) = set(text, frame)?;
         let shown = text.split_once('=').map_or("", |(_, value)| value).trim().to_string();
         values.push((name, shown, value));
     }
-    let spaces = args.images.space.iter().map(|text| space(text, args.frame)).collect::<Result<_, _>>()?;
+    let spaces = args.images.space.iter().map(|text| space(text, frame)).collect::<Result<_, _>>()?;
     let text = match program(&args.program)? {
         Some(text) => text,
         None => {
@@ -89,7 +94,7 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
         limits: args.limits.limits(),
         texture_memory: args.limits.textures(),
     };
-    let session = Arc::new(Session::new(options, text, args.frame, values));
+    let session = Arc::new(Session::new(options, text, frame, values));
     let server = Server::bind(args.port, Arc::clone(&session))?;
     let watcher = watch::Watcher::new(Arc::clone(&session));
     let address = server.address();

@@ -251,7 +251,7 @@ fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture
     let mut left = options.texture_memory.unwrap_or(TEXTURE_MEMORY) as u64;
     let (mut textures, mut errors) = (Vec::new(), Vec::new());
     for (source, span) in &program.textures {
-        match source.load(options.frame, &mut left, &program.tiles) {
+        match source.load(options.file_frame(), &mut left, &program.tiles) {
             Ok(texture) => textures.push(texture),
             Err(error) => errors.push(unreadable(error, *span)),
         }

@@ -80,8 +80,8 @@ impl Machine<'_> {
                 asked += &format!(" ({}, rounded)", number(x));
             }
             let message = format!("there is no element {asked} in {}", value.shape);
-            let shown =
-                if value.shape.len().is_some_and(|n| n <= 8) { value.show(lane) } else { String::new() };
+            let few = value.shape.len().is_some_and(|n| n <= 8) && value.shape.cells() <= 16;
+            let shown = if few { value.show(lane) } else { String::new() };
             let mut error = Diagnostic::error("index", message, span);
             if !shown.is_empty() {
                 error = error.label(span, format!("the vector is {shown}"));

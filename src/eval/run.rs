@@ -11,7 +11,7 @@ use super::samples::{Places, Resample, Sampling};
 use super::shadow;
 use super::worker::{Stop, Worker};
 use crate::diagnostic::Diagnostic;
-use crate::image::{Image, Matrix4, Variable};
+use crate::image::{Frame, Image, Matrix4, Variable};
 use crate::lanes::Isa;
 use crate::resolve::Resolved;
 use crate::shape::Shape;
@@ -51,6 +51,9 @@ pub struct Progress {
 pub struct Options<'o> {
     /// The value of `frame`.
     pub frame: f32,
+    /// The frame's number in the names of textures, where `frame` cannot hold it (whole numbers above 2^24); `None`: that
+    /// of `frame`.
+    pub frame_number: Option<i64>,
     /// Values for params and other variables, by name.
     pub set: Vec<(String, PixelValue)>,
     /// `pixelsize` at every pixel, instead of what `point` tells.
@@ -99,6 +102,12 @@ pub struct Options<'o> {
 }
 
 impl Options<'_> {
+    /// The frame in the names of files.
+    pub(super) fn file_frame(&self) -> Frame {
+        let frame = Frame::from(self.frame);
+        Frame { number: self.frame_number.or(frame.number), ..frame }
+    }
+
     pub(super) fn isa(&self) -> Isa {
         self.isa.unwrap_or_else(Isa::detect)
     }

@@ -36,7 +36,8 @@ pub use seeds::{ball, grid, visible};
 pub use trajectories::Trajectories;
 
 use crate::host::Host;
-use crate::program::{Error, RunOptions};
+use crate::image::Frame;
+use crate::program::{Error, Program, RunOptions};
 use field::Field;
 
 /// A point or direction in space.
@@ -101,8 +102,13 @@ impl Flow {
         self.color.as_ref().map(|color| trajectories::colors(color, trajectories, options)).transpose()
     }
 
+    /// The programs that it runs: that of the velocity, and that of the colours if there is one.
+    pub(crate) fn programs(&self) -> impl Iterator<Item = &Program> {
+        std::iter::once(self.velocity.program()).chain(self.color.iter().map(|color| color.program()))
+    }
+
     /// The files that its program is made of in a frame: the program itself, imports, images that it looks up.
-    pub fn files(&self, frame: f32) -> Vec<std::path::PathBuf> {
+    pub fn files(&self, frame: Frame) -> Vec<std::path::PathBuf> {
         let color = self.color.iter().flat_map(|color| color.program().files(frame));
         self.velocity.program().files(frame).into_iter().chain(color).collect()
     }

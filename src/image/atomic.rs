@@ -1,6 +1,9 @@
 //! Files that appear whole or not at all.
 
 use super::error::{ErrorKind, ImageError};
+use super::reading::{Content, check_output};
+use super::unfinished::Unfinished;
+use crate::quote;
 use std::fs;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -12,17 +15,22 @@ use tempfile::{NamedTempFile, SpooledTempFile};
 pub struct NewFile {
     shown: String,
     place: Place,
+    /// What it may not replace is asked again when it takes its name.
+    content: Content,
 }
 
 enum Place {
-    /// Beside the file whose name it will take; that file's permissions, if it exists.
-    Beside { file: NamedTempFile, target: PathBuf, permissions: Option<fs::Permissions> },
+    /// Beside the file whose name it will take.
+    Beside { file: NamedTempFile, target: PathBuf, unfinished: Unfinished },
     /// Kept until the end, in memory or in a temporary file if it is large.
     Kept { bytes: SpooledTempFile, target: PathBuf },
 }
 
 /// Bytes that are kept in memory before they go to a temporary file.
 pub(super) const KEPT: usize = 64 << 20;
+
+/// The most links from a name to a file, as systems have it.
+const MAX_LINKS: usize = 40;
 
 /// Where temporary files go that may be large: where the user says, else where they do not take up memory.
 pub(crate) fn temporary_folder() -> PathBuf {
@@ -33,60 +41,89 @@ pub(crate) fn temporary_folder() -> PathBuf {
     }
 }
 
-/// Finds out whether a file can take this name, as far as that can be told beforehand. A file that may not be changed
-/// is not replaced by another one either.
+/// Checks whether a file can take this name, as far as that can be known beforehand. A file that may not be changed is not
+/// replaced by another one either, nor is one that a command has opened for reading.
 ///
 /// # Errors
 /// If it cannot.
 pub fn check_target(path: &Path) -> Result<(), ImageError> {
+    target_of(path, Content::Data).map(drop)
+}
+
+/// The file whose name an output takes: links are followed, also one to a file that does not exist yet.
+fn target_of(path: &Path, content: Content) -> Result<PathBuf, ImageError> {
     let shown = path.display();
-    let about = fs::metadata(path).ok();
+    let fail = |e: io::Error| ImageError::io("write", &shown.to_string(), &e);
+    check_output(path, content)?;
+    let about = match fs::metadata(path) {
+        Ok(about) => Some(about),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => None,
+        // A loop of links, a file where a folder should be. What else it is, creating the file tells.
+        Err(e) if path.is_symlink() => return Err(fail(e)),
+        Err(_) => None,
+    };
     if about.as_ref().is_some_and(|about| about.is_dir()) {
-        return Err(ImageError::io("write", &shown.to_string(), &io::ErrorKind::IsADirectory.into()));
+        return Err(fail(io::ErrorKind::IsADirectory.into()));
     }
-    if about.is_some_and(|about| about.is_file() && about.permissions().readonly()) {
+    if about.as_ref().is_some_and(|about| about.is_file() && about.permissions().readonly()) {
         let message = format!("cannot write `{shown}`: the file is there and may not be changed");
         return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::PermissionDenied), message)
             .hint("Allow it (chmod u+w), or write to another file."));
     }
-    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
-        let folder = folder.display();
-        let message = format!("cannot write `{shown}`: there is no directory `{folder}`");
+    let target = match about {
+        Some(about) if about.is_file() && path.is_symlink() => fs::canonicalize(path).map_err(fail)?,
+        Some(_) => path.to_path_buf(),
+        None => end_of_links(path).map_err(fail)?,
+    };
+    if let Some(folder) = target.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
+        let message = format!("cannot write `{shown}`: there is no directory `{}`", folder.display());
         return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::NotFound), message)
-            .hint(format!("Make it first: mkdir -p '{folder}'.")));
+            .hint(format!("Make it first: mkdir -p {}.", quote::path(folder))));
     }
-    Ok(())
+    Ok(target)
+}
+
+/// The name at the end of a chain of links, where there is no file yet.
+fn end_of_links(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        match fs::read_link(&path) {
+            Ok(next) => path = path.parent().unwrap_or(Path::new("")).join(next),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(io::Error::other("too many links lead from one to the next"))
+}
+
+/// Whether two outputs would be one file: equal names through links, relative paths and `..`, whether it exists or not.
+pub fn same_target(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let end = end_of_links(path).unwrap_or_else(|_| path.to_path_buf());
+        let folder = end.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
+        folder.join(end.file_name().unwrap_or_default())
+    };
+    place(a) == place(b) || same_file(a, b)
 }
 
 impl NewFile {
     /// Begins the file `path`.
     ///
     /// # Errors
-    /// If the directory does not exist, or the operating system refuses.
+    /// If the directory does not exist, the operating system refuses, or a command has opened the file for reading.
     pub fn create(path: &Path) -> Result<NewFile, ImageError> {
-        let standard_output = path.as_os_str() == "-";
-        let shown = match standard_output {
-            true => "standard output".to_string(),
-            false => path.display().to_string(),
-        };
-        let fail = |e: io::Error| ImageError::io("write", &shown, &e);
-        if !standard_output {
-            check_target(path)?;
+        NewFile::create_with(path, Content::Data)
+    }
+
+    fn create_with(path: &Path, content: Content) -> Result<NewFile, ImageError> {
+        if path.as_os_str() == "-" {
+            return Ok(NewFile::kept("standard output".into(), path, content));
         }
-        let existing = if standard_output { None } else { fs::metadata(path).ok() };
-        if standard_output || existing.as_ref().is_some_and(|about| !about.is_file()) {
-            let place = Place::Kept {
-                bytes: SpooledTempFile::new_in(KEPT, temporary_folder()),
-                target: path.to_path_buf(),
-            };
-            return Ok(NewFile { shown, place });
+        let shown = path.display().to_string();
+        let target = target_of(path, content)?;
+        if fs::metadata(path).is_ok_and(|about| !about.is_file()) {
+            return Ok(NewFile::kept(shown, path, content));
         }
-        let target: PathBuf = match fs::symlink_metadata(path) {
-            Ok(about) if about.file_type().is_symlink() && existing.is_some() => {
-                fs::canonicalize(path).map_err(fail)?
-            }
-            _ => path.to_path_buf(),
-        };
         let directory = match target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
@@ -96,9 +133,14 @@ impl NewFile {
         // A temporary file is private by default; a picture is as open as any new file of the user.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(directory).map_err(fail)?;
-        let permissions = existing.map(|about| about.permissions());
-        Ok(NewFile { shown, place: Place::Beside { file, target, permissions } })
+        let made = Unfinished::create(|| builder.tempfile_in(directory), |file| file.path().to_path_buf());
+        let (file, unfinished) = made.map_err(|e| ImageError::io("write", &shown, &e))?;
+        Ok(NewFile { shown, place: Place::Beside { file, target, unfinished }, content })
+    }
+
+    fn kept(shown: String, path: &Path, content: Content) -> NewFile {
+        let bytes = SpooledTempFile::new_in(KEPT, temporary_folder());
+        NewFile { shown, place: Place::Kept { bytes, target: path.to_path_buf() }, content }
     }
 
     /// What messages call it.
@@ -109,16 +151,17 @@ impl NewFile {
     /// The file is whole: it appears.
     ///
     /// # Errors
-    /// If the operating system refuses.
+    /// If the operating system refuses, or a command has opened the file for reading in the meantime.
     pub fn finish(self) -> Result<(), ImageError> {
         let fail = |e: io::Error| ImageError::io("write", &self.shown, &e);
         match self.place {
-            Place::Beside { file, target, permissions } => {
-                if let Some(permissions) = permissions {
-                    // Where the permissions can't be kept, those of a new file do.
-                    let _ = file.as_file().set_permissions(permissions);
+            Place::Beside { file, target, unfinished } => {
+                check_output(&target, self.content)?;
+                if let Ok(existing) = fs::metadata(&target) {
+                    take_over(file.as_file(), &existing);
                 }
                 file.persist(&target).map_err(|e| fail(e.error))?;
+                drop(unfinished);
             }
             Place::Kept { mut bytes, target } => {
                 bytes.rewind().map_err(fail)?;
@@ -133,6 +176,32 @@ impl NewFile {
         }
         Ok(())
     }
+}
+
+/// Gives a new file the owner, the group and the permissions of the one that it replaces, as far as the system allows it.
+/// As with every change of a file's content, it does not run under its owner's or its group's name any more.
+#[cfg(unix)]
+fn take_over(file: &fs::File, existing: &fs::Metadata) {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    let Ok(own) = file.metadata() else { return };
+    // Each by itself: a user may give a file to another group of theirs, but not to another user.
+    if own.gid() != existing.gid() {
+        let _ = fchown(file, None, Some(existing.gid()));
+    }
+    if own.uid() != existing.uid() {
+        let _ = fchown(file, Some(existing.uid()), None);
+    }
+    let mut mode = existing.mode() & 0o777;
+    if file.metadata().is_ok_and(|now| now.gid() != existing.gid()) {
+        // What its group was allowed is not for another group.
+        mode &= 0o707 | (mode & 0o007) << 3;
+    }
+    let _ = file.set_permissions(fs::Permissions::from_mode(mode));
+}
+
+#[cfg(not(unix))]
+fn take_over(file: &fs::File, existing: &fs::Metadata) {
+    let _ = file.set_permissions(existing.permissions());
 }
 
 impl Write for NewFile {
@@ -160,12 +229,25 @@ impl Seek for NewFile {
     }
 }
 
+/// Writes the text of a program as the file `path`, which appears whole or not at all; see [`NewFile`]. A program that
+/// was read may be replaced, since its new text is what is saved.
+///
+/// # Errors
+/// If the directory does not exist, the operating system refuses, or a command has opened the file as an image or a mesh.
+pub fn write_program(path: &Path, text: &str) -> Result<(), ImageError> {
+    write_with(path, text.as_bytes(), Content::Program)
+}
+
 /// Writes `bytes` as the file `path`, which appears whole or not at all; see [`NewFile`].
 ///
 /// # Errors
-/// If the directory does not exist, or the operating system refuses.
+/// If the directory does not exist, the operating system refuses, or a command has opened the file for reading.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
-    let mut file = NewFile::create(path)?;
+    write_with(path, bytes, Content::Data)
+}
+
+fn write_with(path: &Path, bytes: &[u8], content: Content) -> Result<(), ImageError> {
+    let mut file = NewFile::create_with(path, content)?;
     file.write_all(bytes).map_err(|e| ImageError::io("write", file.name(), &e))?;
     file.finish()
 }
@@ -224,5 +306,60 @@ mod tests {
         assert!(same_file(&path, &link));
         assert!(!same_file(&path, &plain));
         assert!(!same_file(&path, &dir.path().join("none")));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_no_file_yet() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = |name: &str| dir.path().join(name);
+        fs::create_dir(path("far")).unwrap();
+        let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, path(name)).unwrap();
+        link("far/b", "a");
+        link("c", "far/b");
+        write_file(&path("a"), b"one").unwrap();
+        assert_eq!(fs::read(path("far/c")).unwrap(), b"one");
+        assert!(path("a").is_symlink() && path("far/b").is_symlink(), "links stay");
+        link("none/c", "broken");
+        let error = write_file(&path("broken"), b"x").unwrap_err();
+        assert!(error.message.contains("there is no directory") && error.message.contains("none"), "{error}");
+        link("round", "round");
+        assert!(write_file(&path("round"), b"x").is_err());
+        assert!(path("round").is_symlink());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn replaced_files_keep_their_owner_and_no_privileges() {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.bin");
+        fs::write(&path, b"one").unwrap();
+        // Only root may give files away; others keep their own.
+        let given = chown(&path, Some(12345), Some(54321)).is_ok();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o6755)).unwrap();
+        write_file(&path, b"two").unwrap();
+        let about = fs::metadata(&path).unwrap();
+        assert_eq!(about.mode() & 0o7777, 0o755);
+        assert!(!given || (about.uid(), about.gid()) == (12345, 54321));
+    }
+
+    #[test]
+    fn outputs_that_are_one_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = |name: &str| dir.path().join(name);
+        fs::create_dir(path("d")).unwrap();
+        for (a, b) in [("z.png", "./z.png"), ("z.png", "d/../z.png"), ("none/z", "none/z")] {
+            assert!(same_target(&path(a), &path(b)), "{a} {b}");
+        }
+        assert!(!same_target(&path("z.png"), &path("d/z.png")));
+        assert!(same_target(Path::new("z.png"), &std::env::current_dir().unwrap().join("z.png")));
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("z.png", path("link")).unwrap();
+            std::os::unix::fs::symlink("d", path("e")).unwrap();
+            assert!(same_target(&path("link"), &path("z.png")), "no file yet");
+            assert!(same_target(&path("d/a"), &path("e/a")));
+        }
     }
 }

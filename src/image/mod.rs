@@ -10,6 +10,7 @@ mod bmp;
 pub mod color;
 mod error;
 mod file;
+mod frame_number;
 pub(crate) mod guard;
 mod hdr;
 mod info;
@@ -19,6 +20,7 @@ mod names;
 mod png_chunks;
 mod read_exr;
 mod read_raster;
+mod reading;
 mod rows;
 mod scan_exr;
 mod scan_raster;
@@ -27,6 +29,7 @@ mod source;
 mod stamp;
 mod tga;
 mod tiff;
+mod unfinished;
 mod write;
 mod write_exr;
 mod write_png;
@@ -37,15 +40,20 @@ mod write_tiff;
 mod tests;
 
 pub(crate) use atomic::temporary_folder;
-pub use atomic::{NewFile, check_target, same_file, write_file};
+pub use atomic::{NewFile, check_target, same_file, same_target, write_file, write_program};
 pub use bind::{Binding, Candidate, Mapping};
 pub use error::{ErrorKind, ImageError};
 pub use file::{Channel, File, ReadOptions, Samples, read};
+pub use frame_number::frame_number;
 pub use info::{ChannelInfo, Info, PartInfo, info};
+pub(crate) use reading::{
+    Content, Force, protect_inputs, record, record_standard_input, recorded, set_force,
+};
 pub use rows::Rows;
-pub use sequence::{fill, has_pattern};
+pub use sequence::{Frame, MAX_FRAME, fill, has_pattern, number_in_name};
 pub use source::Input;
-pub use stamp::is_whole;
+pub use stamp::{is_whole, written_by_pse};
+pub(crate) use unfinished::{Unfinished, commit, end_process};
 pub use write::{Compression, Format, WriteOptions, Writer, encode, write};
 
 mod build;

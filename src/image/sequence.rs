@@ -1,9 +1,44 @@
-//! The place of a frame's number in the names of files.
+//! Frames of a sequence: their numbers, and the places of these in the names of files.
 
-/// The first pattern in a name: where it is, and how many digits it wants. Patterns are `####`, `@@@@` (two or
-/// more; `#` may also be one), `%d` and `%04d`.
-fn pattern(name: &str) -> Option<(std::ops::Range<usize>, usize)> {
-    let bytes = name.as_bytes();
+use std::path::Path;
+
+/// A frame: the value that programs read as `frame`, and the number in the names of files.
+///
+/// Numbers are exact. The value is the nearest `f32`: above 16777216 (2^24) not every whole number is one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// What a program reads.
+    pub value: f32,
+    /// What stands in names; `None` between two frames.
+    pub number: Option<i64>,
+}
+
+impl From<i64> for Frame {
+    fn from(number: i64) -> Frame {
+        Frame { value: number as f32, number: Some(number) }
+    }
+}
+
+impl From<f64> for Frame {
+    fn from(value: f64) -> Frame {
+        let whole = value.fract() == 0.0 && value.abs() <= MAX_FRAME as f64;
+        Frame { value: value as f32, number: whole.then_some(value as i64) }
+    }
+}
+
+impl From<f32> for Frame {
+    fn from(value: f32) -> Frame {
+        f64::from(value).into()
+    }
+}
+
+/// The greatest number of a frame; all up to it are exact in 64-bit floats too.
+pub const MAX_FRAME: i64 = 1_000_000_000_000_000;
+
+/// The first pattern in a text: where it is, and how many digits the number is padded to. Patterns are `####`, `@@@@`
+/// (two or more; `#` may also be one), `%d` and `%04d`.
+fn pattern(text: &str) -> Option<(std::ops::Range<usize>, usize)> {
+    let bytes = text.as_bytes();
     let mut i = 0;
     while i < bytes.len() {
         let c = bytes[i];
@@ -18,7 +53,7 @@ fn pattern(name: &str) -> Option<(std::ops::Range<usize>, usize)> {
         if c == b'%' {
             let digits = bytes[i + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
             if bytes.get(i + 1 + digits) == Some(&b'd') {
-                let width = name[i + 1..i + 1 + digits].parse().unwrap_or(1);
+                let width = text[i + 1..i + 1 + digits].parse().unwrap_or(1);
                 return Some((i..i + digits + 2, usize::min(width, 20)));
             }
         }
@@ -27,21 +62,66 @@ fn pattern(name: &str) -> Option<(std::ops::Range<usize>, usize)> {
     None
 }
 
-/// Has the name a place for the frame's number?
-pub fn has_pattern(name: &str) -> bool {
-    pattern(name).is_some()
+/// The folders of a path, with the last separator, and the name of the file.
+fn split(path: &str) -> (&str, &str) {
+    let separator = |c: char| std::path::is_separator(c);
+    path.split_at(path.rfind(separator).map_or(0, |i| i + 1))
 }
 
-/// The name with the frame's number in each such place.
-pub fn fill(name: &str, frame: i64) -> String {
+/// Whether a path has a place for the frame's number. Only the name of the file counts: what looks like a pattern in the
+/// name of a folder is literal.
+pub fn has_pattern(path: &str) -> bool {
+    pattern(split(path).1).is_some()
+}
+
+/// The path with the frame's number in each place for it. A path without one in the name of the file stays as it is. With
+/// one, folders may have it too, except those that exist under the name as it is written.
+pub fn fill(path: &str, frame: i64) -> String {
+    let (folders, name) = split(path);
+    if pattern(name).is_none() {
+        return path.to_string();
+    }
     let mut text = String::new();
-    let mut rest = name;
+    for part in folders.split_inclusive(std::path::is_separator) {
+        let literal = pattern(part).is_none() || Path::new(&format!("{text}{part}")).is_dir();
+        text += &if literal { part.to_string() } else { filled(part, frame) };
+    }
+    text + &filled(name, frame)
+}
+
+fn filled(text: &str, frame: i64) -> String {
+    let mut out = String::new();
+    let mut rest = text;
     while let Some((range, width)) = pattern(rest) {
-        text.push_str(&rest[..range.start]);
-        text.push_str(&format!("{frame:0width$}"));
+        out.push_str(&rest[..range.start]);
+        out.push_str(&format!("{frame:0width$}"));
         rest = &rest[range.end..];
     }
-    text + rest
+    out + rest
+}
+
+/// The frame's number that a file's name ends with: `clean.0003.exr`, `clean_3.exr`, `render0003.exr`, `0003.exr`.
+///
+/// Digits count after `.`, `_` or `-` (after `.` and `_` also with a minus sign), alone, and after letters if there are
+/// four and the first is 0. Versions (`v002`) and sizes (`640x480`) do not.
+pub fn number_in_name(path: &Path) -> Option<i64> {
+    let stem = path.file_stem()?.to_str()?;
+    let digits = stem.bytes().rev().take_while(u8::is_ascii_digit).count();
+    let (head, digits) = stem.split_at(stem.len() - digits);
+    let number: i64 = digits.parse().ok().filter(|n| *n <= MAX_FRAME)?;
+    let before = head.chars().next_back();
+    let minus = head.strip_suffix('-').is_some_and(|head| head.is_empty() || head.ends_with(['.', '_']));
+    match before {
+        None => Some(number),
+        Some('-') if minus => Some(-number),
+        Some('.' | '_' | '-') => Some(number),
+        Some(letter) if letter.is_alphabetic() => {
+            let word = head.trim_end_matches(char::is_alphabetic).len();
+            let version = head[word..].eq_ignore_ascii_case("v");
+            (digits.len() >= 4 && digits.starts_with('0') && !version).then_some(number)
+        }
+        Some(_) => None,
+    }
 }
 
 #[cfg(test)]
@@ -55,5 +135,56 @@ mod tests {
         assert_eq!(fill("a_%d@@.exr", 3), "a_303.exr");
         assert_eq!(fill("me@home 100%.exr", 3), "me@home 100%.exr");
         assert!(has_pattern("#.png") && !has_pattern("a@b%.png"));
+        assert_eq!(fill("a.####.exr", -3), "a.-003.exr");
+        assert_eq!(fill("a.%d.exr", 20_240_613), "a.20240613.exr");
+    }
+
+    #[test]
+    fn folders_are_literal() {
+        for path in ["job#12/g.exr", "100%done/g.exr", "a@@/b.png", "x.####/g.exr", "/a/%04d/b"] {
+            assert!(!has_pattern(path), "{path}");
+            assert_eq!(fill(path, 7), path);
+        }
+        assert!(has_pattern("job#12/g.####.exr"));
+        // Folders beside a pattern in the file's name have it too, unless they exist.
+        assert_eq!(fill("none.####/g.##.exr", 7), "none.0007/g.07.exr");
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::create_dir_all(dir.path().join("job#12/100%done")).unwrap();
+        let path = |name: &str| dir.path().join(name).display().to_string();
+        assert_eq!(fill(&path("job#12/100%done/%d/g.#.exr"), 7), path("job#12/100%done/7/g.7.exr"));
+    }
+
+    #[test]
+    fn names_have_numbers() {
+        let number = |name: &str| number_in_name(Path::new(name));
+        for (name, frame) in [
+            ("clean.0003.exr", 3),
+            ("a/b.12/clean_3.exr", 3),
+            ("shot-0012.exr", 12),
+            ("render0003.png", 3),
+            ("0003.png", 3),
+            ("a.-003.exr", -3),
+            ("a_-3.exr", -3),
+            ("-3.exr", -3),
+            ("a.20240613.exr", 20_240_613),
+        ] {
+            assert_eq!(number(name), Some(frame), "{name}");
+        }
+        for name in
+            ["a.exr", "donut_480x270.exr", "shot_v002.exr", "shot_V0002.exr", "camera1.exr", "size1080.exr"]
+        {
+            assert_eq!(number(name), None, "{name}");
+        }
+        for name in ["a.99999999999999999999.exr", "4k.0003/a.exr", "a.0003.left.exr", ""] {
+            assert_eq!(number(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn frames_are_exact() {
+        assert_eq!(Frame::from(20_240_613_i64), Frame { value: 20_240_612.0, number: Some(20_240_613) });
+        assert_eq!(Frame::from(2.5_f32), Frame { value: 2.5, number: None });
+        assert_eq!(Frame::from(-3.0_f32).number, Some(-3));
+        assert_eq!(Frame::from(f64::NAN).number, None);
     }
 }

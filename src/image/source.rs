@@ -3,7 +3,9 @@
 
 use super::atomic::{KEPT, temporary_folder};
 use super::error::{ErrorKind, ImageError};
+use super::reading::{Content, record_standard_input, recorded};
 use crate::files::{self, Folders};
+use crate::quote;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -63,7 +65,10 @@ impl Input {
     /// If standard input cannot be read.
     pub fn from_argument(argument: &Path) -> Result<Input, ImageError> {
         match argument.as_os_str() == "-" {
-            true => Input::from_reader("standard input", io::stdin().lock()),
+            true => {
+                record_standard_input(Content::Data);
+                Input::from_reader("standard input", io::stdin().lock())
+            }
             false => Ok(Input::Path(argument.to_path_buf())),
         }
     }
@@ -169,7 +174,9 @@ impl Input {
                 let fail = |e: io::Error| {
                     let error = ImageError::io("read", &self.name(), &e);
                     match files::outside(&e) {
-                        Some(folder) => error.hint(format!("Allow its folder: --path {}", folder.display())),
+                        Some(folder) => {
+                            error.hint(format!("Allow its folder: --path {}", quote::path(folder)))
+                        }
                         None => error,
                     }
                 };
@@ -177,7 +184,7 @@ impl Input {
                     Input::Confined { folders, .. } => folders.open(path),
                     _ => files::regular(path),
                 };
-                let file = file.map_err(fail)?;
+                let file = recorded(path, Content::Data, file).map_err(fail)?;
                 let length = file.metadata().map_err(fail)?.len();
                 Ok((Box::new(BufReader::with_capacity(1 << 17, file)), length))
             }
@@ -190,7 +197,8 @@ impl Input {
             let special = std::fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir());
             if special {
                 let name = self.name();
-                let file = files::given(path).map_err(|e| ImageError::io("read", &name, &e))?;
+                let file = recorded(path, Content::Data, files::given(path));
+                let file = file.map_err(|e| ImageError::io("read", &name, &e))?;
                 return Input::from_reader(&name, file);
             }
         }

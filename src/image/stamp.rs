@@ -3,6 +3,7 @@
 
 use super::error::ImageError;
 use super::file::{File, ReadOptions, Source, read};
+use super::reading::unrecorded;
 use super::scan_exr::Scan;
 use super::scan_raster::RasterScan;
 use super::source::Input;
@@ -13,6 +14,15 @@ use std::path::Path;
 
 /// The EXR attribute, and the keyword of the text in a PNG file.
 pub(super) const NAME: &str = "pseRun";
+
+/// What written files name as the software that made them.
+pub(super) const SOFTWARE: &str = "pse";
+
+/// The EXR attribute for it.
+pub(super) const SOFTWARE_ATTRIBUTE: &str = "software";
+
+/// The keyword of the text in a PNG file for it.
+pub(super) const SOFTWARE_KEYWORD: &str = "Software";
 
 /// PNG: the eight bytes at the start, then the header's chunk with its length, name and checksum.
 const PNG_START: usize = 8 + 4 + 4 + 13 + 4;
@@ -30,7 +40,7 @@ pub fn is_whole(path: &Path, stamp: &str) -> bool {
         let file = read(Input::Path(path.to_path_buf()), &ReadOptions::default())?;
         Ok(file.stamp()?.as_deref() == Some(stamp) && file.decode_all().is_ok())
     };
-    checked().unwrap_or(false)
+    unrecorded(path, checked).unwrap_or(false)
 }
 
 impl File {
@@ -45,13 +55,19 @@ impl File {
                 }))
             }
             Source::Raster(_) => {
-                let (reader, _) = self.input.open()?;
-                let mut start = Vec::new();
-                let read = reader.take(PNG_START as u64 + 256).read_to_end(&mut start);
-                read.map_err(|e| ImageError::io("read", &self.name(), &e))?;
-                Ok(from_png(&start))
+                let texts = texts_of_png(&self.start()?);
+                Ok(texts.into_iter().find(|(name, _)| name == NAME).map(|(_, text)| text))
             }
         }
+    }
+
+    /// The first bytes, with the texts that stand behind the header of a PNG file.
+    fn start(&self) -> Result<Vec<u8>, ImageError> {
+        let (reader, _) = self.input.open()?;
+        let mut start = Vec::new();
+        let read = reader.take(PNG_START as u64 + 512).read_to_end(&mut start);
+        read.map_err(|e| ImageError::io("read", &self.name(), &e))?;
+        Ok(start)
     }
 
     /// Decodes all pixels and keeps none.
@@ -70,14 +86,46 @@ impl File {
     }
 }
 
-/// The stamp of a PNG file of which these are the first bytes. It is the first chunk behind the header, or it is not
-/// one of ours.
-fn from_png(start: &[u8]) -> Option<String> {
-    let rest = start.strip_prefix(b"\x89PNG\r\n\x1a\n")?.get(PNG_START - 8..)?;
-    let (length, rest) = rest.split_first_chunk::<4>()?;
-    let text = rest.get(..4 + u32::from_be_bytes(*length) as usize)?.strip_prefix(b"tEXt")?;
-    let stamp = text.strip_prefix(NAME.as_bytes())?.strip_prefix(&[0])?;
-    String::from_utf8(stamp.to_vec()).ok()
+/// Whether a file is one that `pse` wrote, known by the software that the header of an EXR or PNG file names.
+pub fn written_by_pse(path: &Path) -> bool {
+    let about = || -> Result<bool, ImageError> {
+        let file = read(Input::Path(path.to_path_buf()), &ReadOptions::default())?;
+        Ok(match &file.source {
+            Source::Exr(_) => {
+                let named = |(name, value): (&str, String)| name == SOFTWARE_ATTRIBUTE && value == SOFTWARE;
+                file.metadata().attributes.iter().any(named)
+            }
+            Source::Raster(_) => {
+                let texts = texts_of_png(&file.start()?);
+                texts.iter().any(|(name, text)| name == SOFTWARE_KEYWORD && text == SOFTWARE)
+            }
+        })
+    };
+    path.is_file() && unrecorded(path, about).unwrap_or(false)
+}
+
+/// The texts of a PNG file of which these are the first bytes: keyword and text of each. Those of ours are the first chunks
+/// behind the header; what comes later is of other programs.
+fn texts_of_png(start: &[u8]) -> Vec<(String, String)> {
+    let mut texts = Vec::new();
+    let mut rest = start.strip_prefix(b"\x89PNG\r\n\x1a\n").and_then(|rest| rest.get(PNG_START - 8..));
+    while let Some((length, chunk)) = rest.and_then(|rest| rest.split_first_chunk::<4>()) {
+        let length = u32::from_be_bytes(*length) as usize;
+        let text = chunk.get(..length.saturating_add(4)).and_then(|chunk| chunk.strip_prefix(b"tEXt"));
+        let Some((name, text)) = text.and_then(|text| {
+            let end = text.iter().position(|&b| b == 0)?;
+            Some((
+                String::from_utf8(text[..end].to_vec()).ok()?,
+                String::from_utf8(text[end + 1..].to_vec()).ok()?,
+            ))
+        }) else {
+            break;
+        };
+        texts.push((name, text));
+        // The kind before, the checksum behind.
+        rest = chunk.get(length + 8..);
+    }
+    texts
 }
 
 #[cfg(test)]
@@ -115,5 +163,30 @@ mod tests {
             assert!(!is_whole(&path, "one"), "{name} is damaged");
         }
         assert!(!is_whole(&dir.path().join("none.exr"), "one"));
+    }
+
+    #[test]
+    fn files_of_this_program_are_known() {
+        let dir = tempfile::tempdir().unwrap();
+        let plane = vec![0.5; 6];
+        let mut image = Image::new(3, 2, [Variable::new("color", Shape::Scalar, [plane]).unwrap()]).unwrap();
+        image.metadata.attributes.list = vec![("software".to_string(), AttributeValue::Text("Other".into()))];
+        for (name, stamp) in
+            [("a.exr", None), ("b.png", None), ("c.exr", Some("one")), ("d.png", Some("one"))]
+        {
+            let path = dir.path().join(name);
+            write(&path, &image, &WriteOptions { stamp: stamp.map(String::from), ..WriteOptions::default() })
+                .unwrap();
+            assert!(written_by_pse(&path), "{name}");
+            let mut bytes = std::fs::read(&path).unwrap();
+            let at = bytes.windows(8).position(|w| w.eq_ignore_ascii_case(b"software")).unwrap();
+            bytes[at + 1] = b'X';
+            std::fs::write(&path, bytes).unwrap();
+            assert!(!written_by_pse(&path), "{name} of another program");
+        }
+        for name in ["none.png", "text.png", "."] {
+            std::fs::write(dir.path().join("text.png"), "pse").unwrap();
+            assert!(!written_by_pse(&dir.path().join(name)), "{name}");
+        }
     }
 }

@@ -5,7 +5,7 @@
 
 use super::error::ImageError;
 use super::names::{identifier, last_field};
-use super::stamp::NAME;
+use super::stamp::{NAME, SOFTWARE, SOFTWARE_ATTRIBUTE};
 use super::write::{Compression, WriteOptions, unwritable};
 use super::{Image, Variable};
 use crate::shape::Shape;
@@ -285,6 +285,8 @@ fn attributes(image: &Image<'_>, header: &Header, crypto: &[Cryptomatte]) -> Vec
         ("displayWindow".into(), AttributeValue::IntegerBounds(window)),
         ("lineOrder".into(), AttributeValue::LineOrder(LineOrder::Increasing)),
         ("pixelAspectRatio".into(), AttributeValue::F32(if aspect > 0.0 { aspect } else { 1.0 })),
+        // Not the input's: who reads this file asks what wrote it.
+        (SOFTWARE_ATTRIBUTE.into(), AttributeValue::Text(SOFTWARE.into())),
     ];
     let own = list.len();
     for (name, value) in &image.metadata.attributes.list {

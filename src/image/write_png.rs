@@ -1,7 +1,7 @@
 //! PNG files, row by row.
 
 use super::error::ImageError;
-use super::stamp::NAME;
+use super::stamp::{NAME, SOFTWARE, SOFTWARE_KEYWORD};
 use super::write::unwritable;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -54,6 +54,8 @@ impl PngWriter {
         if let Some(stamp) = stamp {
             encoder.add_text_chunk(NAME.into(), stamp.into()).map_err(|e| unwritable(name, e))?;
         }
+        // Behind the stamp: both are looked for among the first chunks.
+        encoder.add_text_chunk(SOFTWARE_KEYWORD.into(), SOFTWARE.into()).map_err(|e| unwritable(name, e))?;
         let rows = encoder.write_header().and_then(|writer| writer.into_stream_writer_with_size(CHUNK));
         let rows = rows.map_err(|e| unwritable(name, e))?;
         Ok(PngWriter { name: name.into(), rows, packed, wide: bits == 16 })

@@ -5,6 +5,7 @@
 
 use super::read::{Wrong, reserve};
 use crate::files::{self, Folders};
+use crate::image::{Content, recorded};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use gltf::accessor::DataType;
@@ -166,7 +167,7 @@ fn fetch(uri: &str, path: &Path, length: usize) -> Result<Vec<u8>, Wrong> {
     let mut folders = vec![folder(path)];
     // A mesh that is a link may have its data beside the link or beside the file.
     folders.extend(path.canonicalize().ok().map(|real| folder(&real)));
-    let source = Folders::new(folders).open(&file).map_err(fail)?;
+    let source = recorded(&file, Content::Data, Folders::new(folders).open(&file)).map_err(fail)?;
     let available = source.metadata().map_err(fail)?.len().min(length as u64) as usize;
     let mut bytes = Vec::new();
     reserve(&mut bytes, available)?;

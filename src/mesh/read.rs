@@ -2,7 +2,7 @@
 
 use super::{Format, Mesh, read_gltf, read_obj, read_ply};
 use crate::files;
-use crate::image::{ErrorKind, ImageError};
+use crate::image::{Content, ErrorKind, ImageError, recorded};
 use std::path::Path;
 
 /// The most bytes of a mesh's file, which is read as a whole.
@@ -46,7 +46,7 @@ pub(super) type Wrong = String;
 /// If the file cannot be read, is damaged, or holds what is not supported.
 pub fn read(path: &Path, progress: &dyn Fn(usize, usize)) -> Result<File, ImageError> {
     let shown = path.display().to_string();
-    let bytes = files::given(path).and_then(|file| {
+    let bytes = recorded(path, Content::Data, files::given(path)).and_then(|file| {
         let limit = if file.metadata()?.is_file() { MAX_BYTES } else { MAX_PIPED };
         files::read_all(file, limit)
     });

@@ -7,11 +7,10 @@ use super::texels::Texels;
 use super::wanted::{Known, Wanted, known, wanted, wanted_of};
 use super::{Layout, Needs, Texture, bytes, sphere};
 use crate::image::{
-    ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, fill, guard, has_pattern, read,
+    ErrorKind, File, Frame, Image, ImageError, Input, Mapping, ReadOptions, fill, guard, has_pattern, read,
 };
-use std::borrow::Cow;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// An image that a program may look things up in.
@@ -81,20 +80,36 @@ impl Source {
     ///
     /// # Errors
     /// If the name has a place for the frame's number and that is not whole.
-    pub fn path(&self, frame: f32) -> Result<Option<PathBuf>, ImageError> {
-        let Origin::File(input) = &self.origin else { return Ok(None) };
-        let Some(path) = input.path() else { return Ok(None) };
-        let name = path.file_name().map_or(Cow::default(), |name| name.to_string_lossy());
-        // A file may well be called so.
-        if !has_pattern(&name) || path.exists() {
+    pub fn path(&self, frame: Frame) -> Result<Option<PathBuf>, ImageError> {
+        let Some(path) = self.file() else { return Ok(None) };
+        if !self.is_sequence() {
             return Ok(Some(path.to_path_buf()));
         }
-        if frame.fract() != 0.0 || !frame.is_finite() {
-            let message =
-                format!("`{}` has no place for frame {frame}, only for whole numbers", path.display());
+        let Some(number) = frame.number else {
+            let (shown, value) = (path.display(), frame.value);
+            let message = format!("`{shown}` has no place for frame {value}, only for whole numbers");
             return Err(ImageError::new(ErrorKind::Missing, message));
+        };
+        Ok(Some(fill(&path.to_string_lossy(), number).into()))
+    }
+
+    /// Its path as the program names it, if it is a file on disk.
+    fn file(&self) -> Option<&Path> {
+        match &self.origin {
+            Origin::File(input) => input.path(),
+            Origin::Image(_) => None,
         }
-        Ok(Some(path.with_file_name(fill(&name, frame as i64))))
+    }
+
+    /// Whether it is another file in each frame: its name has a place for the number, and no file is called so.
+    pub fn is_sequence(&self) -> bool {
+        let path = self.file();
+        path.is_some_and(|path| has_pattern(&path.to_string_lossy()) && !path.exists())
+    }
+
+    /// Its path with a place for the frame's number, if it is another file in each frame.
+    pub fn pattern(&self) -> Option<String> {
+        self.file().filter(|_| self.is_sequence()).map(|path| path.to_string_lossy().into_owned())
     }
 
     /// Looks whether it can be read, as far as the header tells. Of a sequence that is frame 0, if there is one.
@@ -102,7 +117,7 @@ impl Source {
     /// # Errors
     /// If the file cannot be read, or does not have what is wanted.
     pub fn check(&self) -> Result<(), ImageError> {
-        match self.path(0.0)? {
+        match self.path(Frame::from(0_i64))? {
             Some(path) if !path.exists() => Ok(()),
             path => self.open(path).map(drop),
         }
@@ -113,7 +128,7 @@ impl Source {
     ///
     /// # Errors
     /// If the file cannot be read, does not have what is wanted, or the temporary file cannot be written.
-    pub fn load(&self, frame: f32, left: &mut u64, tiles: &Arc<Tiles>) -> Result<Arc<Texture>, ImageError> {
+    pub fn load(&self, frame: Frame, left: &mut u64, tiles: &Arc<Tiles>) -> Result<Arc<Texture>, ImageError> {
         let path = self.path(frame)?;
         // Nothing is left half done in it.
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);

@@ -3,7 +3,7 @@
 use super::source::from_image as arranged_from;
 use super::sphere;
 use super::*;
-use crate::image::{Image, Variable};
+use crate::image::{Frame, Image, Variable};
 
 const FILTERS: [Filter; 5] = [Filter::Mip, Filter::Sums, Filter::Nearest, Filter::Bilinear, Filter::Cubic];
 const WRAPS: [Wrap; 4] = [Wrap::Periodic, Wrap::Black, Wrap::Clamp, Wrap::Mirror];
@@ -304,15 +304,15 @@ fn an_image_is_read_once_and_counted_each_time() {
     source.needs = ALL;
     let tiles = Arc::default();
     let mut left = 10_000;
-    let first = source.load(1.0, &mut left, &tiles).unwrap();
+    let first = source.load(Frame::from(1.0_f32), &mut left, &tiles).unwrap();
     let taken = 10_000 - left;
     assert_eq!(taken, 4 * (32 + 10) + 8 * 45);
     std::fs::remove_file(path).unwrap();
-    let again = source.load(2.0, &mut left, &tiles).unwrap();
+    let again = source.load(Frame::from(2.0_f32), &mut left, &tiles).unwrap();
     assert!(Arc::ptr_eq(&first, &again));
     assert_eq!(left, 10_000 - 2 * taken);
     // What is allowed less memory now is read again.
-    assert!(source.load(3.0, &mut (taken - 1), &tiles).is_err());
+    assert!(source.load(Frame::from(3.0_f32), &mut (taken - 1), &tiles).is_err());
 }
 
 #[test]
@@ -333,7 +333,7 @@ fn tiles_are_as_memory_bit_for_bit() {
             let mut source = Source::new("a.exr", origin.clone(), None, false, layout);
             source.needs = Needs { levels: true, sums: layout != Layout::Cube };
             let cache = Arc::<Tiles>::default();
-            let texture = source.load(0.0, &mut left, &cache).unwrap();
+            let texture = source.load(Frame::from(0.0_f32), &mut left, &cache).unwrap();
             cache.allow(tiles);
             assert_eq!(texture.store.is_some(), tiles > 0);
             texture

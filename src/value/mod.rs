@@ -96,7 +96,10 @@ impl Value {
     /// What one lane holds, as a program would write it: `[0.5 [1 2]]`.
     pub fn show(&self, lane: usize) -> String {
         let cells: Vec<f32> = self.lane(lane).collect();
-        show(&self.shape, &cells)
+        let mut text = String::new();
+        // As much as a matrix: what a message shows of a value is to recognise it.
+        show_part(&self.shape, &cells, &mut 16, &mut text);
+        text
     }
 }
 

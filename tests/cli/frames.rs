@@ -149,3 +149,170 @@ fn folders_are_made_where_they_are_wanted() {
     f.good("run -e white --size 8x8 -o a/b/c.png --mkdir");
     assert!(f.path("a/b/c.png").exists());
 }
+
+/// The numbers that a run of `frame` wrote, as the program saw them.
+fn frame_of(f: &Folder, arguments: &str) -> f32 {
+    f.good(&format!("run -e color=white -e f=frame --vars f {arguments} -o frame.exr"));
+    f.planes("frame.exr", "f")[0][0]
+}
+
+#[test]
+fn numbers_of_frames_are_whole_and_exact() {
+    let f = Folder::new();
+    for n in [20240612, 20240613, 99999999] {
+        f.good(&format!("run -e white*{} --size 4x4 -o i.{n}.exr", n % 10));
+    }
+    f.write("p.pse", "color = color + texture(\"t.#.exr\", 0.5, 0.5)\n");
+    fs::copy(f.path("i.20240613.exr"), f.path("t.20240613.exr")).expect("a copy");
+    // Input, texture and output, of numbers that no 32-bit float is.
+    f.good("run p.pse -i i.#.exr --frame 20240613 -o o.#.exr --hash");
+    assert_eq!(f.planes("o.20240613.exr", "color")[0][0], 6.0);
+    f.good("run -e color -i i.#.exr --frames 20240612-20240613 -o p.%d.exr");
+    assert_eq!(f.planes("p.20240612.exr", "color")[0][0], 2.0);
+    f.good("run -e color -i i.@@.exr --frame 99999999 -o q.%09d.exr");
+    assert_eq!(f.planes("q.099999999.exr", "color")[0][0], 9.0);
+    // The program computes with 32-bit floats, which is said if it reads the number.
+    let told = f.good("run -e white*frame --size 4x4 --frame 20240613 -o a.png").err;
+    assert!(told.contains("the program reads frame 20240613 as 20240612"), "{told}");
+    assert!(!f.good("run -e white --size 4x4 --frame 20240613 -o a.png").err.contains("20240612"));
+    assert!(!f.good("run -e white*frame --size 4x4 --frame 16777216 -o a.png").err.contains("reads frame"));
+    // Numbers below 0, one and several.
+    assert_eq!(frame_of(&f, "--size 4x4 --frame -3"), -3.0);
+    let files = |list: &str, name: &str| {
+        written(&f.good(&format!("run -e white*frame --size 4x4 {list} -o {name}")).err).join(" ")
+    };
+    assert_eq!(files("--frames -3--1", "n.##.png"), "n.-3.png n.-2.png n.-1.png");
+    assert_eq!(files("--frames=-1-1", "n.####.png"), "n.-001.png n.0000.png n.0001.png");
+    assert_eq!(files("--frames -4", "n.%d.png"), "n.-4.png");
+    assert_eq!(files("--frame -4", "n.%03d.png"), "n.-04.png");
+    f.good("run -e white -i n.##.png --frames -3--1 -o m.##.png");
+    // Other commands.
+    f.good("deform head -e point*=2 --frames -2--1 -o h.#.obj -q");
+    f.good("run -e white*frame --mesh h.#.obj --size 8x8 --frame -2 -o h.png");
+    f.good("scene --mesh h.#.obj --size 8x8 --frame -1 -o h.#.exr");
+    assert!(f.path("h.-1.exr").exists());
+    f.write("v.pse", "function velocity(p)\n    return p\n");
+    f.good("flow v.pse --ball 9 --frames -1-1 -o v.#.png");
+    assert!(f.path("v.-1.png").exists());
+    // What is no number of a frame.
+    f.bad(2, "run -e white --frame 1-3", &["`1-3` is a list of frames; use --frames 1-3"]);
+    f.bad(2, "trace -e white --frame 1,5", &["use --frames 1,5"]);
+    f.bad(2, "run -e white --frame nan", &["`nan` is no frame"]);
+    f.bad(2, "run -e white --frames 1-3x0", &["a step of 0"]);
+    f.bad(2, "run -e white --frames 1- -o a.#.png", &["a number is missing in `1-`"]);
+    f.bad(2, "run -e white --frame 99999999999999999", &["too large for a frame"]);
+}
+
+#[test]
+fn a_single_file_says_its_frame() {
+    let f = Folder::new();
+    f.good("scene card --size 4x4 -o clean.0003.exr");
+    fs::copy(f.path("clean.0003.exr"), f.path("plain.exr")).expect("a copy");
+    assert_eq!(frame_of(&f, "-i clean.0003.exr"), 3.0);
+    assert_eq!(frame_of(&f, "-i clean.0003.exr --frame 7"), 7.0);
+    assert_eq!(frame_of(&f, "-i plain.exr"), 0.0);
+    // The header of a renderer's file.
+    let blender = super::gbuffer("donut_480x270_blender50_half_dwaa.exr");
+    assert_eq!(frame_of(&f, &format!("-i {blender}")), 1.0);
+    // The input proper comes before those with names, and what disagrees says nothing.
+    fs::copy(f.path("plain.exr"), f.path("sky_9.exr")).expect("a copy");
+    assert_eq!(frame_of(&f, "-i clean.0003.exr -i bg=sky_9.exr"), 3.0);
+    assert_eq!(frame_of(&f, "-i plain.exr -i bg=sky_9.exr"), 9.0);
+    assert_eq!(frame_of(&f, "-i clean.0003.exr -i sky_9.exr"), 0.0);
+    // It stands in the names of outputs and textures too, and is said where the program reads it.
+    fs::copy(f.path("plain.exr"), f.path("t.0003.exr")).expect("a copy");
+    f.write("p.pse", "color = white * frame + 0 * texture(\"t.####.exr\", 0.5, 0.5, channel = \"point\")\n");
+    let told = f.good("run p.pse -i clean.0003.exr -o o.####.png").err;
+    assert!(f.path("o.0003.png").exists(), "{told}");
+    assert!(told.contains("frame 3, as `clean.0003.exr` says; --frame gives another"), "{told}");
+    assert!(!f.good("run -e white -i clean.0003.exr -o o.png").err.contains("as `clean"), "nobody reads it");
+    let traced = f.good("trace -e white*frame -i clean.0003.exr").text;
+    assert!(traced.contains('3'), "{traced}");
+    let repl = f.pse_with(&["repl", "-i", "clean.0003.exr"], b"frame\n");
+    assert!(repl.text.starts_with('3'), "{}", repl.text);
+    fs::write(f.path("m.0005.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a mesh");
+    f.good("deform m.0005.obj -e point+=frame -o n.####.obj");
+    assert!(fs::read_to_string(f.path("n.0005.obj")).expect("a mesh").contains("v 5 5 5"));
+}
+
+#[test]
+fn folders_have_no_numbers() {
+    let f = Folder::new();
+    for folder in ["job#12", "100%done", "a@@b"] {
+        fs::create_dir(f.path(folder)).expect("a folder");
+        f.good(&format!("scene card --size 4x4 -o {folder}/g.exr"));
+        f.good(&format!("run -e point -i {folder}/g.exr -o {folder}/o.exr"));
+        f.good(&format!("run -e white -i {folder}/g.exr --frames 1-2 -o {folder}/o.##.exr"));
+        f.good(&format!("run -e color -i {folder}/o.##.exr --frames 1-2 -o {folder}/p.##.exr"));
+        f.bad(2, &format!("run -e color -i {folder}/o.##.exr -o a.png"), &["place for the frame's number"]);
+        f.write("p.pse", &format!("color = texture(\"{folder}/g.exr\", 0.5, 0.5, channel = \"point\")\n"));
+        f.good("run p.pse --size 4x4 -o a.png");
+        f.write("p.pse", &format!("color = texture(\"{folder}/o.#.exr\", 0.5, 0.5)\n"));
+        fs::copy(f.path(&format!("{folder}/o.01.exr")), f.path(&format!("{folder}/o.1.exr")))
+            .expect("a copy");
+        f.good("run p.pse --size 4x4 -o a.png --frame 1");
+        f.good(&format!("join {folder}/g.exr -o {folder}/j.exr"));
+    }
+    // Beside a name with the number, folders that are not there may have it.
+    f.good("run -e white --size 4x4 --frames 1-2 -o f.%d/a.#.png --mkdir");
+    assert!(f.path("f.2/a.2.png").exists());
+    // A file may be called so.
+    fs::copy(f.path("job#12/g.exr"), f.path("take#2.exr")).expect("a copy");
+    f.good("run -e point -i take#2.exr -o a.png");
+    f.good("run -e point -i take#2.exr --frames 1-2 -o a.#.png");
+}
+
+#[test]
+fn a_missing_number_is_said_once() {
+    let f = Folder::new();
+    f.good("run -e white --size 4x4 -o i.0001.exr");
+    let text = "a = texture(\"sky.####.exr\", 0, 0) + texture(\"sky.####.exr\", 1, 1)\n\
+                b = texture(\"fog.%d.exr\", 0, 0)\ncolor = a + b\n";
+    f.write("p.pse", text);
+    for n in 1..=2 {
+        fs::copy(f.path("i.0001.exr"), f.path(&format!("sky.000{n}.exr"))).expect("a copy");
+        fs::copy(f.path("i.0001.exr"), f.path(&format!("fog.{n}.exr"))).expect("a copy");
+    }
+    let once = |arguments: &str, name: &str| {
+        let ended = f.pse(arguments);
+        let running = ended.err.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(ended.code, 2, "{arguments}: {running}");
+        assert!(
+            running.contains(&format!("{name} has a place for the frame's number, and none is given")),
+            "{running}"
+        );
+        assert!(running.contains("--frame 1"), "{running}");
+        assert_eq!(running.matches('×').count(), 1, "{arguments}: {running}");
+    };
+    for command in ["run p.pse --size 4x4 -o a.png", "trace p.pse"] {
+        once(command, "the texture `sky.####.exr`");
+    }
+    once("run -e color -i i.####.exr -o a.png", "i.####.exr");
+    f.good("run -e white --size 4x4 -o plain.exr");
+    once("run -e color -i plain.exr -i b=j.%d.exr -o a.png", "j.%d.exr");
+    once("trace -e color -i i.####.exr", "i.####.exr");
+    once("repl -i i.####.exr", "i.####.exr");
+    once("flow v.pse -i i.####.exr -o a.png", "i.####.exr");
+    once("deform m.#.obj -e point+=1 -o a.obj", "m.#.obj");
+    once("scene --mesh m.#.obj -o a.exr", "m.#.obj");
+    once("run -e white --mesh m.#.obj -o a.exr", "m.#.obj");
+    once("join t.#.exr -o a.exr", "t.#.exr");
+    f.write("s.pse", "function density(p)\n    return texture(\"sky.####.exr\", 0, 0).x - length(p)\n");
+    once("scene --iso s.pse -o a.exr", "the texture `sky.####.exr`");
+    once("run -e white --iso s.pse -o a.exr", "the texture `sky.####.exr`");
+    f.bad(2, "run -e color -i i.####.exr --frame 2.5 -o a.png", &["no place for frame 2.5", "whole"]);
+    f.good("run p.pse --size 4x4 --frame 1 -o a.png");
+}
+
+#[test]
+fn errors_name_the_frame_and_its_file() {
+    let f = Folder::new();
+    f.good("scene card --size 4x4 -o g.1.exr");
+    f.good("run -e white --size 4x4 -o g.2.exr");
+    let words = ["point", "This is frame 2, which reads `g.2.exr`."];
+    f.bad(1, "run -e white*point.x -i g.#.exr --frames 1-2 -o o.#.png", &words);
+    f.good("run -e color -i g.#.exr --frames 2 -o o.#.png");
+    f.bad(1, "run -e color -i g.#.exr --frames 2-3 -o o.#.png", &["g.3.exr", "This is frame 3"]);
+    f.write("p.pse", "v = [1 2]\ncolor = white * v[frame]\n");
+    f.bad(1, "run p.pse --size 4x4 --frames 1-3 -o o.#.png", &["no element 3", "This is frame 3."]);
+}

@@ -3,7 +3,9 @@
 use super::{Folder, ended};
 use assert_cmd::Command;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fs;
+use std::path::{Path, PathBuf};
 
 impl Folder {
     fn template(&self, bundle: &str) -> Value {
@@ -34,6 +36,10 @@ fn a_bundle_has_all_that_a_run_needs() {
     for n in 1..=3 {
         f.good(&format!("run -e white --size 4x4 -o shaders/sky.{n}.png"));
     }
+    for n in 1..=3 {
+        f.good(&format!("run -e white --size 4x4 -o renders/g.000{n}.exr"));
+    }
+    f.good("run -e white --size 4x4 -o renders/bg.exr");
     let run = "job shaders/fire.pse --path common --frames 1-3 -i renders/g.####.exr -i bg=renders/bg.exr";
     let told = f.good(&format!("{run} --set veins=6 --threads 2 --vars color --half -o fire.job"));
     for name in ["fire.pse", "lib/a.pse", "lib/b.pse", "path-1/c.pse", "sky.1.png", "sky.3.png"] {
@@ -85,7 +91,14 @@ fn what_no_farm_can_run_is_said() {
     f.bad(2, "job p.pse --repeat 3 -o j", &["--repeat", "a job has no use for it"]);
     f.bad(2, "job p.pse --chunk 3 -o j", &["--frames"]);
     f.bad(2, "job p.pse --name {{a}} -o j", &["{{"]);
-    f.bad(2, "job p.pse -i d.##/a.exr --frames 1 -o j", &["folder", "name of the file"]);
+    f.bad(
+        1,
+        "job p.pse -i d.##/a.##.exr --frames 1 -o j",
+        &["frame 1 of `d.##/a.##.exr` is not there", "`d.01/a.01.exr`"],
+    );
+    fs::create_dir(f.path("d.01")).expect("a folder");
+    f.good("run -e white --size 4x4 -o d.01/a.01.exr");
+    f.bad(2, "job p.pse -i d.##/a.##.exr --frames 1 -o j", &["folder", "name of the file"]);
     fs::create_dir(f.path("s")).expect("a folder");
     f.write("s/q.pse", "import \"../p.pse\"\ncolor = white\n");
     f.bad(1, "job s/q.pse -o j", &["outside of the folders that this program may read", "--path"]);
@@ -177,7 +190,7 @@ fn a_bundle_is_made_anew() {
     assert_eq!(f.read("w.job/program/path-2/wood.png"), f.read("b/wood.png"));
     assert_eq!(f.read("w.job/output/kept.png"), b"a picture");
     // What is no bundle is left alone, and what fails leaves the old one.
-    f.bad(1, "job w.pse --path a -o mine", &["of no bundle", "-o fire.job"]);
+    f.bad(1, "job w.pse --path a -o mine", &["belongs to no bundle", "-o fire.job"]);
     let before = f.read("w.job/template.json");
     f.write("up.pse", "color = texture(\"../wood.png\", 0, 0)\n");
     fs::copy(f.path("a/wood.png"), f.path("wood.png")).expect("a copy");
@@ -187,6 +200,264 @@ fn a_bundle_is_made_anew() {
     let mut left: Vec<_> =
         fs::read_dir(f.path("w.job")).expect("a folder").map(|e| e.expect("a file").file_name()).collect();
     left.sort();
-    assert_eq!(left, ["output", "program", "template.json"]);
+    assert_eq!(left, ["output", "program", "pse-bundle.json", "template.json"]);
     f.bad(2, &format!("job w.pse --path a --name {} -o n.job", "x".repeat(200)), &["1 to 128 characters"]);
+}
+
+/// All files and folders below a folder, with what they hold.
+fn everything(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+    let mut all = BTreeMap::new();
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.expect("a file").path();
+        if path.is_dir() && !path.is_symlink() {
+            all.extend(everything(&path));
+        }
+        all.insert(path.clone(), fs::read(&path).ok());
+    }
+    all
+}
+
+impl Folder {
+    /// Expects that it refuses, and that no file comes, goes or changes.
+    fn untouched(&self, code: i32, arguments: &str, words: &[&str]) {
+        let before = everything(&self.path(""));
+        self.bad(code, arguments, words);
+        assert!(everything(&self.path("")) == before, "pse {arguments}");
+    }
+}
+
+#[test]
+fn only_files_of_the_bundle_are_replaced() {
+    let f = Folder::new();
+    f.write("p.pse", "import \"lib/q.pse\"\ncolor = q()\n");
+    fs::create_dir(f.path("lib")).expect("a folder");
+    f.write("lib/q.pse", "function q()\n    return white\n");
+    // What looks like a bundle, and is somebody's work.
+    for (folder, name) in [("a", "template.json"), ("b", "program/notes.txt"), ("c", "parameter_values.json")]
+    {
+        fs::create_dir_all(f.path(folder).join("program")).expect("a folder");
+        f.write(&format!("{folder}/{name}"), "mine");
+        f.untouched(1, &format!("job p.pse -o {folder}"), &["belongs to no bundle", "-o fire.job"]);
+        f.untouched(1, &format!("job p.pse -o {folder} --force"), &["belongs to no bundle"]);
+    }
+    f.write("a/pse-bundle.json", "{}");
+    f.untouched(1, "job p.pse -o a", &["`a/pse-bundle.json` does not list the files of a bundle"]);
+    let list = r#"{"version":1,"files":{"../p.pse":[]},"folders":["program"]}"#;
+    f.write("a/pse-bundle.json", list);
+    f.untouched(1, "job p.pse -o a", &["does not list"]);
+    // Files beside those of a bundle stay, though they lie in its folders.
+    f.good("job p.pse -o j -q");
+    f.write("j/program/notes.txt", "mine");
+    f.write("j/program/lib/more.txt", "mine");
+    f.write("j/readme", "mine");
+    f.write("p.pse", "color = blue\n");
+    f.good("job p.pse -o j -q");
+    assert!(!f.path("j/program/lib/q.pse").exists(), "it is no part of the program any more");
+    for name in ["j/program/notes.txt", "j/program/lib/more.txt", "j/readme"] {
+        assert_eq!(f.read(name), b"mine");
+    }
+    assert_eq!(f.read("j/program/p.pse"), b"color = blue\n");
+    // A file in the way of a new one.
+    f.write("p.pse", "import \"lib/more.txt\"\nimport \"lib/q.pse\"\ncolor = q()\n");
+    f.write("lib/more.txt", "a = 1\n");
+    f.untouched(1, "job p.pse -o j", &["`j/program/lib/more.txt` exists, and belongs to no bundle"]);
+    // What was changed by hand is replaced only with --force.
+    f.write("p.pse", "color = red\n");
+    f.write("j/template.json", "{}");
+    f.untouched(1, "job p.pse -o j", &["`j/template.json` was changed after pse wrote it", "--force"]);
+    f.good("job p.pse -o j -q --force");
+    assert!(!words(&f.template("j"), 0).contains("--force"));
+    f.write("j/program/p.pse", "color = green\n");
+    f.untouched(1, "job p.pse -o j", &["`j/program/p.pse` was changed"]);
+    f.good("job p.pse -o j -q --force");
+    // Links lead out of the bundle.
+    #[cfg(unix)]
+    {
+        fs::create_dir(f.path("far")).expect("a folder");
+        f.write("far/p.pse", "color = red\n");
+        fs::remove_dir_all(f.path("j/program")).expect("a folder");
+        std::os::unix::fs::symlink("../far", f.path("j/program")).expect("a link");
+        f.untouched(1, "job p.pse -o j", &["`j/program` exists, and belongs to no bundle"]);
+        f.untouched(1, "job p.pse -o j --force", &["belongs to no bundle"]);
+        std::os::unix::fs::symlink("k.far", f.path("k")).expect("a link");
+        fs::create_dir(f.path("k.far")).expect("a folder");
+        f.good("job p.pse -o k -q");
+        f.good("job p.pse -o k -q");
+        assert!(f.path("k").is_symlink() && f.path("k.far/template.json").is_file());
+    }
+}
+
+#[test]
+fn sources_in_the_bundle_are_refused() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white\n");
+    f.write("lib.pse", "function q()\n    return white\n");
+    f.good("job p.pse -o j -q");
+    f.write("j/program/notes.txt", "mine");
+    let inside = ["lies in the folder of the bundle", "Give another folder with -o"];
+    f.untouched(1, "job j/program/p.pse -o j", &inside);
+    f.untouched(1, "job p.pse -o .", &inside);
+    f.good("run -e white --size 4x4 -o j/program/t.png -q");
+    f.untouched(1, "job -e color=texture(\"t.png\",0,0) --path j/program -o j", &inside);
+    f.untouched(1, "job p.pse -i j/program/t.png -o j", &inside);
+    // Pictures of an earlier job may be run on, and another bundle may be made of one.
+    f.good("run -e white --size 4x4 -o j/output/t.png -q");
+    f.good("job p.pse -i j/output/t.png -o j -q");
+    f.good("job j/program/p.pse -o k -q");
+}
+
+/// Kills the command at each of its calls to the system that change the disk, one after the other.
+#[cfg(target_os = "linux")]
+#[test]
+fn killed_at_any_moment_a_bundle_is_whole() {
+    if std::process::Command::new("strace").arg("-V").output().is_err() {
+        eprintln!("skipped: there is no command strace");
+        return;
+    }
+    let f = Folder::new();
+    let texts = [
+        ("color = white\n", "function a()\n    return 1\n"),
+        ("import \"a.pse\"\ncolor = a() * red\n", "function a()\n    return 2\n"),
+    ];
+    let write = |(program, import): (&str, &str)| {
+        f.write("p.pse", program);
+        f.write("a.pse", import);
+    };
+    let job = |kill: Option<(&str, usize)>, options: &[&str]| {
+        let mut command = match kill {
+            Some((call, n)) => {
+                let mut command = std::process::Command::new("strace");
+                let inject = format!("inject={call}:signal=KILL:when={n}");
+                command.args(["-f", "-qq", "-o", "/dev/null", "-e", &inject, env!("CARGO_BIN_EXE_pse")]);
+                command
+            }
+            None => std::process::Command::new(env!("CARGO_BIN_EXE_pse")),
+        };
+        command
+            .args(["job", "p.pse", "-o", "j", "-q", "--size", "8x8"])
+            .args(options)
+            .current_dir(f.path(""));
+        command.output().expect("it starts").status.success()
+    };
+    let mut kills = 0;
+    for call in ["rename", "unlink", "link,linkat", "mkdir", "openat", "rmdir,unlinkat"] {
+        for n in 1.. {
+            if f.path("j").exists() {
+                fs::remove_dir_all(f.path("j")).expect("a folder");
+            }
+            write(texts[0]);
+            assert!(job(None, &[]));
+            let before = everything(&f.path("j"));
+            write(texts[1]);
+            let done = job(Some((call, n)), &["--samples", "2"]);
+            kills += usize::from(!done);
+            // The program that the template names is there, and fits the template: of before, or of after.
+            let template = f.template("j");
+            let parameters = template["parameterDefinitions"].as_array().expect("parameters");
+            let folder =
+                parameters.iter().find(|p| p["name"] == "ProgramDir").expect("a folder")["default"].clone();
+            let folder = f.path("j").join(folder.as_str().expect("text"));
+            let after = words(&template, 0).contains("--samples 2");
+            let program = fs::read_to_string(folder.join("p.pse")).expect("the program");
+            assert_eq!(program, texts[usize::from(after)].0, "{call} {n}");
+            let import = fs::read_to_string(folder.join("a.pse")).ok();
+            assert!(if after { import.as_deref() == Some(texts[1].1) } else { true }, "{call} {n}");
+            // The next time nothing is left of it.
+            assert!(job(None, &["--samples", "2"]), "{call} {n}");
+            let names = |all: &BTreeMap<PathBuf, _>| all.keys().cloned().collect::<Vec<_>>();
+            let mut expected = names(&before);
+            expected.push(f.path("j/program/a.pse"));
+            expected.sort();
+            assert_eq!(names(&everything(&f.path("j"))), expected, "{call} {n}");
+            if done || call == "openat" && n >= 200 {
+                break;
+            }
+        }
+    }
+    eprintln!("{kills} kills");
+    assert!(kills > 20, "{kills} kills");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_printed_line_can_be_pasted() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white\n");
+    for folder in ["x';touch PWNED;'", "b$(touch PWNED)", "a b", "`touch PWNED`", "-n", "ü&é", "it's"] {
+        fs::create_dir(f.path(folder)).expect("a folder");
+        f.good("run -e white --size 4x4 -o i.exr -q");
+        fs::rename(f.path("i.exr"), f.path(folder).join("i.exr")).expect("moved");
+        let bundle = format!("{folder}.job");
+        let input = format!("./{folder}/i.exr");
+        let told = f.pse_with(&["job", "p.pse", "-i", &input, &format!("--bundle={bundle}")], b"");
+        assert_eq!(told.code, 0, "{}", told.err);
+        // The shell gives the command the very words, and does nothing else.
+        let line = told.text.replacen("openjd", "printf '%s\\n'", 1);
+        let mut shell = Command::new("sh");
+        let heard = ended(shell.args(["-c", &line]).current_dir(f.path(""))).text;
+        let whole = fs::canonicalize(f.path(folder)).expect("a folder");
+        let plain = if bundle.starts_with('-') { format!("./{bundle}") } else { bundle };
+        let expected = format!("run\n{plain}/template.json\n-p\nInputDir={}\n", whole.display());
+        assert_eq!(heard, expected, "{line}");
+        assert!(!f.path("PWNED").exists());
+    }
+}
+
+#[test]
+fn what_no_template_can_hold_is_said() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white\n");
+    let said = |arguments: &[&str], words: &[&str]| {
+        let ended = f.pse_with(arguments, b"");
+        let running = ended.err.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(ended.code, 2, "{running}");
+        assert!(words.iter().all(|word| running.contains(word)), "{running}");
+        assert!(!running.contains('\u{1b}') && !f.path("j").exists(), "{running:?}");
+    };
+    said(&["job", "-e", "color = white # }}", "-o", "j"], &["`}}`", "into a file"]);
+    said(&["job", "-e", "color = white # \ta", "-o", "j"], &["control character", "\\ta", "into a file"]);
+    said(&["job", "p.pse", "--picture", "a\u{1b}.png", "-o", "j"], &["control character"]);
+    said(&["job", "p.pse", "--picture", "a}}.png", "-o", "j"], &["`}}`"]);
+    said(&["job", "p.pse", "--name", "a}}b", "-o", "j"], &["`}}`"]);
+    said(&["job", "p.pse", "--name", "a\nb", "-o", "j"], &["no control characters"]);
+    let long = "x".repeat(129) + ".pse";
+    fs::copy(f.path("p.pse"), f.path(&long)).expect("a copy");
+    said(&["job", &long, "-o", "j"], &["1 to 128 characters", "--name"]);
+    f.good(&format!("job {long} --name x -o k -q"));
+    // Two lines in one argument are allowed.
+    assert_eq!(f.pse_with(&["job", "-e", "a = 1\ncolor = a * white", "-o", "l", "-q"], b"").code, 0);
+    for bundle in ["k", "l"] {
+        let Some(mut command) = openjd(&f) else { return };
+        let checked = ended(command.args(["check", &format!("{bundle}/template.json")]));
+        assert_eq!(checked.code, 0, "{}{}", checked.text, checked.err);
+    }
+}
+
+#[test]
+fn jobs_have_no_frames_that_are_not_there() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white * frame\n");
+    for n in [-1, 0, 1, 3] {
+        f.good(&format!("run -e white --size 4x4 -o g.{n}.exr -q"));
+    }
+    f.untouched(
+        1,
+        "job p.pse -i g.#.exr --frames 1-10 -o j",
+        &["frames 2,4-10 of `g.#.exr` are not there", "--frames 1,3"],
+    );
+    f.untouched(1, "job p.pse -i h.#.exr --frames 1-10 -o j", &["frames 1-10 of `h.#.exr`", "`h.1.exr`"]);
+    f.untouched(2, "job p.pse -i g.#.exr -o j", &["none is given"]);
+    f.untouched(1, "job p.pse -i none.exr -o j", &["`none.exr`: there is no such file"]);
+    f.untouched(1, "job p.pse --mesh m.#.obj --frames 1 -o j", &["frame 1 of `m.#.obj` is not there"]);
+    f.write("t.pse", "color = texture(\"g.#.exr\", 0, 0)\n");
+    f.untouched(1, "job t.pse --frames 1-3 -o j", &["frame 2 of `g.#.exr` is not there", "--frames 1,3"]);
+    let told = f.good("job p.pse -i g.#.exr --frames -1-1 -o j");
+    assert!(told.err.contains("3 tasks"), "{}", told.err);
+    assert_eq!(f.template("j")["parameterDefinitions"][1]["default"], "-1-1");
+    let Some(_) = run(&f, "j", &[&format!("InputDir={}", f.path("").display())]) else { return };
+    assert!(f.path("j/output/p.-001.png").exists() && f.path("j/output/p.0001.png").exists());
+    // A single file of a frame: the task finds its number too.
+    f.good("job p.pse -i g.3.exr --picture o.exr -o k -q");
+    run(&f, "k", &[&format!("InputDir={}", f.path("").display())]);
+    assert_eq!(f.planes("k/output/o.exr", "color")[0][0], 3.0);
 }

@@ -77,7 +77,7 @@ fn a_frame_has_its_own_texture() {
         "run p.pse --frame 3 --scene card --size 1x1 -o out.exr",
         &["sky.0003.exr", "there is no such file"],
     );
-    f.bad(1, "run p.pse --frame 1.5 --scene card --size 1x1 -o out.exr", &["has no place for frame 1.5"]);
+    f.bad(2, "run p.pse --frame 1.5 --scene card --size 1x1 -o out.exr", &["has no place for frame 1.5"]);
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn what_does_not_go_together_is_said() {
     f.bad(1, "join u.1.exr s.2.exr -o a.exr", &["different pictures", "display windows"]);
     f.good("run -e point --size 40x30 -o w.png");
     f.bad(1, "join w.png -o a.exr", &["is no tile", ".exr"]);
-    f.bad(1, "join part.exr --partial -o part.exr", &["the output is the tile"]);
+    f.bad(1, "join part.exr --partial -o part.exr", &["the output `part.exr` is the input", "--force"]);
     f.bad(1, "run -e point --size 3x3 --tile 1/4x1 -o v.{tile}.exr", &["3x3 pixels cannot be cut into 4x1"]);
     f.bad(2, "run -e point --tile 5/2x2 -o v.{tile}.exr", &["no tile `5` of 2x2"]);
     f.bad(2, "run -e point --tile 1/2x2 -o v.exr", &["cannot all be written", "{tile}"]);

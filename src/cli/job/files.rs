@@ -18,6 +18,8 @@ pub(super) struct Files {
     copies: BTreeMap<PathBuf, PathBuf>,
     /// How many folders of `--path` there are.
     folders: usize,
+    /// The images and the mesh that the job runs on, which are not copied.
+    inputs: Vec<PathBuf>,
 }
 
 impl Files {
@@ -31,7 +33,7 @@ impl Files {
         let mut copies = BTreeMap::new();
         let moving = plan.program.has_texture_sequence();
         let frames = if moving { &plan.frames[..] } else { &plan.frames[..1] };
-        for file in frames.iter().flat_map(|frame| plan.program.files(frame.value)) {
+        for file in frames.iter().flat_map(|frame| plan.program.files(*frame)) {
             if own.is_none() && !file.exists() {
                 // The lines themselves.
                 continue;
@@ -50,7 +52,30 @@ impl Files {
             copies.extend(places.into_iter().map(|place| (place, file.clone())));
         }
         let program = own.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-        Ok(Files { program, copies, folders: run.program.path.len() })
+        let inputs = run.images.paths().map(PathBuf::from).collect();
+        Ok(Files { program, copies, folders: run.program.path.len(), inputs })
+    }
+
+    /// Refuses sources that lie in the bundle, which would be replaced by their own copies, or removed. Pictures of its
+    /// output may be run on.
+    pub fn check_outside(&self, bundle: &Path) -> Result<(), Failure> {
+        let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| absolute(path));
+        let bundle = whole(bundle);
+        let output = bundle.join("output");
+        // An input with the frame's number in its name is no file by itself.
+        let inputs = self.inputs.iter().map(|path| match path.parent().zip(path.file_name()) {
+            Some((folder, name)) => whole(folder).join(name),
+            None => whole(path),
+        });
+        let inputs = inputs.filter(|path| !path.starts_with(&output));
+        let sources = self.copies.values().map(|path| whole(path)).chain(inputs);
+        match sources.into_iter().find(|path| path.starts_with(&bundle)) {
+            Some(path) => {
+                Err(Failure::plain(format!("`{}` lies in the folder of the bundle", path.display()))
+                    .hint("Give another folder with -o, or the file from which that one was copied."))
+            }
+            None => Ok(()),
+        }
     }
 
     /// The folders of `--path`, below the bundle's folder; its own too, if the program does not lie in it.

@@ -1,10 +1,9 @@
 //! The job template: parameters, the step that runs frames and tiles, and the step that joins tiles.
 
 use super::super::failure::Failure;
-use super::super::frames::Frames;
+use super::super::frames::{self, Frames};
 use super::super::input::InputArg;
 use super::super::tiles::Tiles;
-use super::files::FOLDER;
 use super::words::Word;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -35,8 +34,8 @@ pub(super) struct Template {
 }
 
 impl Template {
-    /// The template's text.
-    pub fn json(&self) -> Result<String, Failure> {
+    /// The template's text; `folder` is that of the program in the bundle.
+    pub fn json(&self, folder: &str) -> Result<String, Failure> {
         let mut steps = vec![self.step("Run", self.run_words()?, self.tiles)];
         if self.tiles.is_some() {
             let mut join = self.step("Join", self.join_words()?, None);
@@ -46,7 +45,7 @@ impl Template {
         let mut template = json!({
             "specificationVersion": "jobtemplate-2023-09",
             "name": literal(&self.name)?,
-            "parameterDefinitions": self.parameters()?,
+            "parameterDefinitions": self.parameters(folder)?,
             "steps": steps,
         });
         if self.chunk.is_some() {
@@ -67,7 +66,7 @@ impl Template {
         }
     }
 
-    fn parameters(&self) -> Result<Vec<Value>, Failure> {
+    fn parameters(&self, program_folder: &str) -> Result<Vec<Value>, Failure> {
         let folder = |name: &str, flow: &str, about: &str| json!({ "name": name, "type": "PATH", "objectType": "DIRECTORY", "dataFlow": flow, "description": about });
         let mut list = vec![json!({
             "name": "Pse",
@@ -84,12 +83,12 @@ impl Template {
                 "name": "Frames",
                 "type": "STRING",
                 "default": frames,
-                "description": "The frames to run: 1-24, 1,5,9 or 1-20:2.",
+                "description": "The frames to run: 1-24, -3-3, 1,5,9 or 1-20:2.",
             }));
         }
         if self.program.is_some() || !self.paths.is_empty() {
             let mut program = folder("ProgramDir", "IN", "The program, what it imports, and its textures.");
-            program["default"] = json!(FOLDER);
+            program["default"] = json!(program_folder);
             list.push(program);
         }
         list.extend(
@@ -205,11 +204,23 @@ fn of_joined(word: &Word) -> bool {
 
 /// A text that stands for itself in a template.
 fn literal(text: &str) -> Result<String, Failure> {
-    match text.contains("{{") {
-        true => {
-            Err(Failure::usage(format!("`{text}` cannot be a part of a job: {{{{ means a parameter there")))
+    if text.contains("{{") || text.contains("}}") {
+        let message =
+            format!("`{text}` cannot be a part of a job: `{{{{` and `}}}}` enclose parameters there");
+        return Err(
+            Failure::usage(message).hint("Rename it. What is a line of the program can go into a file.")
+        );
+    }
+    // Lines of a program may follow each other in one argument.
+    match text.chars().find(|c| c.is_control() && *c != '\n') {
+        Some(c) => {
+            let message =
+                format!("`{}` cannot be a part of a job: it has a control character", text.escape_debug());
+            let line =
+                if c == '\t' { "Write blanks for it, or put a line" } else { "Rename it, or put a line" };
+            Err(Failure::usage(message).hint(format!("{line} of the program into a file.")))
         }
-        false => Ok(text.to_string()),
+        None => Ok(text.to_string()),
     }
 }
 
@@ -258,7 +269,9 @@ impl Inputs {
         let (Some(folder), Some(file)) = (path.parent(), path.file_name()) else {
             return Err(Failure::usage(format!("`{given}` is no file")));
         };
-        if super::super::frames::has_pattern(&folder.to_string_lossy()) {
+        // Folders have the number only beside a name with it.
+        let filled = PathBuf::from(frames::fill(&path.to_string_lossy(), 1));
+        if filled.parent() != Some(folder) {
             return Err(Failure::usage(format!("a folder of `{given}` has the frame's number in its name"))
                 .hint("In a job only the name of the file can have it."));
         }
@@ -268,18 +281,20 @@ impl Inputs {
             self.folders.push((name, folder.to_path_buf()));
             number - 1
         });
+        literal(&folder.to_string_lossy())?;
         let file = literal(&file.to_string_lossy())?;
         Ok(format!("{{{{Param.{}}}}}/{file}", self.folders[place].0))
     }
 
     /// The parameters and their folders.
-    pub fn folders(&self) -> impl Iterator<Item = (&str, std::path::Display<'_>)> {
-        self.folders.iter().map(|(name, folder)| (name.as_str(), folder.display()))
+    pub fn folders(&self) -> impl Iterator<Item = (&str, &Path)> {
+        self.folders.iter().map(|(name, folder)| (name.as_str(), folder.as_path()))
     }
 
     /// The file of their values, as Deadline Cloud reads it beside the template.
     pub fn values(&self) -> Option<String> {
-        let value = |(name, folder): (&str, std::path::Display<'_>)| json!({ "name": name, "value": folder.to_string() });
+        let value =
+            |(name, folder): (&str, &Path)| json!({ "name": name, "value": folder.to_string_lossy() });
         let values: Vec<Value> = self.folders().map(value).collect();
         (!values.is_empty()).then(|| format!("{:#}\n", json!({ "parameterValues": values })))
     }

@@ -24,8 +24,8 @@ pub(super) struct Word {
 /// Options that say how a single run on this machine is looked at, and have no meaning for a job.
 const NOT_OF_JOBS: [&str; 8] = ["region", "tile", "hash", "stats", "repeat", "profile", "progress", "mkdir"];
 
-/// Arguments that the job's template has a place of its own for.
-const TOLD_OTHERWISE: [&str; 7] = ["program", "lines", "path", "input", "mesh", "output", "frames"];
+/// Arguments that the job's template has a place of its own for, or that are for the bundle.
+const TOLD_OTHERWISE: [&str; 8] = ["program", "lines", "path", "input", "mesh", "output", "frames", "force"];
 
 /// `pse run` as a command of its own, to look at its arguments.
 #[derive(Parser)]
@@ -40,6 +40,10 @@ impl Args for RunWords {
         for id in NOT_OF_JOBS {
             command = command.mut_arg(id, |arg| arg.hide(true));
         }
+        command = command.mut_arg("force", |arg| {
+            arg.help("Replace files of the bundle though they were changed after pse wrote them")
+                .help_heading("Job")
+        });
         command.mut_arg("output", |arg| {
             arg.long("picture")
                 .short(None)

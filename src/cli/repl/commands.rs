@@ -4,7 +4,7 @@ use super::super::doc;
 use super::super::failure::Failure;
 use super::session::{Session, VALUE};
 use super::{note, picture};
-use crate::image::write_file;
+use crate::image::write_program;
 use crate::program::Compiler;
 use crate::resolve::names;
 use crate::value::PixelValue;
@@ -100,7 +100,7 @@ impl Session {
             return Err(Failure::plain(format!("`{shown}` is there already"))
                 .hint(format!("To replace it: `:save! {shown}`.")));
         }
-        write_file(&path, self.program().as_bytes())?;
+        write_program(&path, &self.program())?;
         note(&format!("wrote {shown}"));
         self.file = Some(path);
         Ok(String::new())

@@ -2,6 +2,7 @@
 
 use super::super::camera::{Camera, CameraRequest};
 use super::super::failure::Failure;
+use super::super::frames::Frame;
 use super::super::input::Inputs;
 use super::super::interrupt::CANCEL;
 use super::super::scene::ViewArgs;
@@ -40,7 +41,7 @@ pub(super) struct Session {
     /// How far apart pixels lie, if that was given.
     pub pixelsize: Option<f32>,
     /// The number of the frame.
-    pub frame: f32,
+    pub frame: Frame,
     /// What a pixel may use up.
     pub limits: Limits,
     /// The file that the program was loaded from, or saved to.
@@ -77,7 +78,7 @@ impl Session {
             set: Vec::new(),
             spaces: Vec::new(),
             pixelsize: None,
-            frame: 0.0,
+            frame: Frame::default(),
             limits: Limits::default(),
             file: None,
             pixel,
@@ -218,7 +219,8 @@ impl Session {
         // What was set stays so, also while the program has no such param.
         let set = self.set.iter().filter(|(name, _)| program.resolved().slot(name).is_some());
         RunOptions {
-            frame: self.frame,
+            frame: self.frame.value,
+            frame_number: self.frame.number,
             set: set.cloned().collect(),
             spaces: self.spaces.clone(),
             pixelsize: self.pixelsize,

@@ -1,7 +1,7 @@
 //! The arguments of `pse run`.
 
 use crate::cli::failure::Failure;
-use crate::cli::frames::Frames;
+use crate::cli::frames::{FrameArg, Frames};
 use crate::cli::input::ImageArgs;
 use crate::cli::progress::Style;
 use crate::cli::region::Region;
@@ -50,7 +50,7 @@ pub(in crate::cli) struct RunArgs {
     /// Take PNG, JPEG and the like as plain numbers, and write them so: no sRGB curve either way
     #[arg(long, help_heading = "Input")]
     pub raw: bool,
-    /// The number of the frame
+    /// The number of the frame; that in the name or the header of the input if not given
     #[arg(
         long,
         value_name = "N",
@@ -58,9 +58,10 @@ pub(in crate::cli) struct RunArgs {
         conflicts_with = "frames",
         allow_negative_numbers = true
     )]
-    pub frame: Option<f32>,
-    /// Several frames: 1-24, 1,5,9 or 1-20x2 (1-20:2 is the same). Names may hold the number as ####, @@@@, %d or %04d
-    #[arg(long, value_name = "LIST", help_heading = "Frames")]
+    pub frame: Option<FrameArg>,
+    /// Several frames: 1-24, -3-3, 1,5,9 or 1-20x2 (1-20:2 is the same). Names of files may hold the number as ####, @@@@,
+    /// %d or %04d
+    #[arg(long, value_name = "LIST", help_heading = "Frames", allow_hyphen_values = true)]
     pub frames: Option<Frames>,
     /// Leave out frames whose files are there, whole, and of the same run: a hash of program, inputs and options stands
     /// in the header of .exr and .png files that were written with --resume
@@ -110,7 +111,7 @@ pub(in crate::cli) struct RunArgs {
     /// Show so many lines of what the program prints, those of the first pixels; 0 shows none
     #[arg(long, value_name = "N", default_value_t = 10, help_heading = "Output")]
     pub print: usize,
-    /// Let an output replace an input
+    /// Let an output replace an input, and one without -o a file that pse did not write
     #[arg(long, help_heading = "Output")]
     pub force: bool,
     /// Say nothing but errors

@@ -1,9 +1,10 @@
 //! What a frame runs on: rows of files or of a scene, as they are wanted, or all of them in memory.
 
-use super::plan::{Frame, values};
+use super::plan::values;
 use super::{Plan, RunArgs};
 use crate::cli::camera::{Camera, CameraRequest};
 use crate::cli::failure::Failure;
+use crate::cli::frames::Frame;
 use crate::cli::input::{Inputs, Reader};
 use crate::cli::region::{Region, bands};
 use crate::cli::solid::Found;
@@ -46,7 +47,7 @@ impl FrameInput {
     pub fn open(args: &RunArgs, plan: &Plan, frame: Frame, kept: bool) -> Result<FrameInput, Failure> {
         let inputs = Inputs::open(&args.images.input, &args.images.map, args.raw, frame.number)?;
         let view = &args.images.view;
-        let solid = plan.solid(args, frame.value)?.map(|solid| Found::Solid(solid.into()));
+        let solid = plan.solid(args, frame)?.map(|solid| Found::Solid(solid.into()));
         let scene = match &plan.scene {
             Some(seen) => Some(Found::Scene(view.renderer(seen, frame.number, args.quiet)?.into())),
             None => solid,

@@ -2,13 +2,14 @@
 
 use super::RunArgs;
 use crate::cli::failure::Failure;
+use crate::cli::frames::{Chosen, Frame};
 use crate::cli::input::ImageArgs;
 use crate::cli::progress::Style;
 use crate::cli::scene::Seen;
 use crate::cli::{frames, output, source, tiles};
 use crate::diagnostic::SourceId;
 use crate::eval::{MAX_THREADS, REACH};
-use crate::image::{Format, Matrix4, same_file};
+use crate::image::{Content, Format, Matrix4, record};
 use crate::lanes::Isa;
 use crate::program::{Program, RunOptions};
 use crate::shape::Shape;
@@ -20,15 +21,6 @@ use std::path::{Path, PathBuf};
 
 /// The scene for who names no image.
 pub(in crate::cli) const DEFAULT_SCENE: &str = "donut";
-
-/// A frame to run.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cli) struct Frame {
-    /// What the program reads as `frame`.
-    pub value: f32,
-    /// What stands in file names, if frames were asked for.
-    pub number: Option<i64>,
-}
 
 /// A file to write.
 pub(super) struct Output {
@@ -58,10 +50,14 @@ pub(in crate::cli) struct Plan {
     pub by_default: bool,
     /// At least one.
     pub frames: Vec<Frame>,
+    /// What the user should know of their numbers.
+    pub frame_notes: Vec<String>,
     /// The instruction set.
     pub isa: Isa,
     /// The names of the outputs, as given or by default.
     paths: Vec<PathBuf>,
+    /// Whether they are by default.
+    default_paths: bool,
 }
 
 impl Plan {
@@ -77,7 +73,11 @@ impl Plan {
         if args.images.input.iter().filter(|i| i.path == "-").count() > 1 {
             return Err(Failure::usage("two images cannot both be standard input"));
         }
-        let frames = frames(args)?;
+        output::force(args.force);
+        let outputs: Vec<_> = args.output.iter().map(|path| path.to_string_lossy()).collect();
+        let outputs = outputs.iter().map(|path| &**path);
+        let chosen = Chosen::new(args.frames.as_ref(), args.frame, &args.images.frame_sources(), outputs)?;
+        let frames = &chosen.frames;
         let paths = paths(args, frames.len());
         let still = |path: &&PathBuf| !frames::has_pattern(&path.to_string_lossy());
         if let Some(path) = paths.iter().find(still).filter(|_| frames.len() > 1) {
@@ -93,15 +93,6 @@ impl Plan {
                 Failure::usage(format!("the tiles of {} cannot all be written to {shown}", tile.of));
             return Err(failure.hint("Give a place for the tile's number: -o 'out.{tile}.exr'."));
         }
-        let patterned = |path: &&PathBuf| frames::has_pattern(&path.to_string_lossy());
-        if let Some(path) = paths.iter().find(patterned).filter(|_| frames.iter().any(|f| f.number.is_none()))
-        {
-            let shown = output::shown(path);
-            return Err(Failure::usage(format!(
-                "{shown} has a place for the frame's number, and none is given"
-            ))
-            .hint("Give the frames: --frames 1-24, or --frame 1."));
-        }
         super::resume::check(args)?;
         let piped = paths.iter().any(|p| p.as_os_str() == "-");
         if piped && (args.hash || args.progress == Style::Openjd) {
@@ -110,6 +101,7 @@ impl Plan {
         }
         let (name, text) = args.program.read()?;
         let program = source::compile(&name, &text, &args.program.path)?;
+        frames.iter().try_for_each(|&frame| frames::check_textures(&program, frame))?;
         let vars = args.vars.as_ref().map(|v| v.iter().map(|v| v.trim().to_string()).collect::<Vec<_>>());
         let mut shown = None;
         for path in &paths {
@@ -127,7 +119,8 @@ impl Plan {
         let sampled = args.sampling().is_some();
         let (wanted, around) =
             reading(&program, vars.as_deref().unwrap_or_default(), args.images.pixelsize.is_some(), sampled);
-        Ok(Plan {
+        let frame_notes = chosen.notes(&program);
+        let plan = Plan {
             wanted,
             around,
             scene: if args.solid.iso.is_some() { no_other(&args.images)? } else { scene(&args.images)? },
@@ -136,15 +129,38 @@ impl Plan {
             program,
             vars,
             shown,
-            frames,
+            frame_notes,
+            frames: chosen.frames,
             isa,
             paths,
-        })
+            default_paths: args.output.is_empty(),
+        };
+        plan.record_inputs(args);
+        Ok(plan)
+    }
+
+    /// Protects the inputs of all frames, also those that are not read yet, from the outputs of the frames before.
+    fn record_inputs(&self, args: &RunArgs) {
+        let several = args.images.paths().any(frames::is_sequence) || self.program.has_texture_sequence();
+        let frames = if several { &self.frames[..] } else { &self.frames[..1] };
+        for frame in frames {
+            let images = args.images.paths().map(|path| frames::input(path, frame.number));
+            images.chain(textures(&self.program, *frame)).for_each(|path| record(&path, Content::Data));
+        }
+    }
+
+    /// The files of a frame that are no other frame's, for messages.
+    pub(super) fn inputs_of_frame(&self, args: &RunArgs, frame: Frame) -> Vec<String> {
+        let images = args.images.paths().filter(|path| frames::is_sequence(path));
+        let images = images.map(|path| frames::input(path, frame.number));
+        let sequences = self.program.resolved().textures.iter().filter(|(source, _)| source.is_sequence());
+        let textures = sequences.filter_map(|(source, _)| source.path(frame).ok().flatten());
+        images.chain(textures).map(|path| format!("`{}`", path.display())).collect()
     }
 
     /// The solid in a frame, if there is one.
-    pub(super) fn solid(&self, args: &RunArgs, frame: f32) -> Result<Option<Isosurface<'static>>, Failure> {
-        let (set, _) = values(args, frame)?;
+    pub(super) fn solid(&self, args: &RunArgs, frame: Frame) -> Result<Option<Isosurface<'static>>, Failure> {
+        let (set, _) = values(args, frame.value)?;
         let own =
             |set| args.solid.open(&args.images.view, &args.program.path, args.limits.limits(), set, frame);
         // What is set may be the solid's, or that of the program which paints it.
@@ -168,9 +184,10 @@ impl Plan {
     }
 
     /// The files of a frame, each of which can be written and is no input.
-    pub(super) fn outputs(&self, args: &RunArgs, frame: Option<i64>) -> Result<Vec<Output>, Failure> {
+    pub(super) fn outputs(&self, args: &RunArgs, frame: Frame) -> Result<Vec<Output>, Failure> {
         let name = |path: &Path| -> PathBuf {
-            frame.map_or_else(|| path.to_path_buf(), |f| frames::fill(&path.to_string_lossy(), f).into())
+            let fill = |number| frames::fill(&path.to_string_lossy(), number).into();
+            frame.number.map_or_else(|| path.to_path_buf(), fill)
         };
         let of_tile = |path: PathBuf| match args.tile {
             Some(tile) => tiles::fill(&path.to_string_lossy(), tile.number).into(),
@@ -183,53 +200,14 @@ impl Plan {
                 output::make_folder(&path)?;
             }
             let format = output::check(&path)?;
-            let program = args.program.program.as_deref();
-            let mut inputs =
-                args.images.paths().map(|path| name(Path::new(path))).chain(textures(&self.program, frame));
-            if let Some(input) = inputs.find(|i| same_file(i, &path)).filter(|_| !args.force) {
-                let shown = path.display();
-                let message = format!("the output `{shown}` is the input `{}`", input.display());
-                return Err(Failure::plain(message).hint("Write to another file, or add --force."));
+            if self.default_paths {
+                output::check_default(&path, args.force)?;
             }
-            if program.is_some_and(|p| same_file(p, &path)) {
-                return Err(Failure::plain(format!("the output `{}` is the program", path.display())));
-            }
-            if outputs.iter().any(|o| o.path == path) {
-                return Err(Failure::usage(format!("two outputs are called {}", output::shown(&path))));
-            }
+            output::check_distinct(&path, outputs.iter().map(|output| &*output.path))?;
             outputs.push(Output { path, format });
         }
         Ok(outputs)
     }
-}
-
-/// The frames to run.
-fn frames(args: &RunArgs) -> Result<Vec<Frame>, Failure> {
-    if let Some(list) = &args.frames {
-        return Ok(list.0.iter().map(|&n| Frame { value: n as f32, number: Some(n) }).collect());
-    }
-    let outputs: Vec<_> = args.output.iter().map(|o| o.to_string_lossy()).collect();
-    let names = args.images.paths().chain(outputs.iter().map(|o| &**o));
-    Ok(vec![frame(args.frame, names)?])
-}
-
-/// A frame that was asked for, whose number stands in these names of files.
-pub(in crate::cli) fn frame<'n>(
-    given: Option<f32>,
-    mut names: impl Iterator<Item = &'n str>,
-) -> Result<Frame, Failure> {
-    let value = given.unwrap_or(0.0);
-    if !value.is_finite() {
-        return Err(Failure::usage(format!("{value} is no frame")));
-    }
-    let number = given.filter(|f| f.fract() == 0.0).map(|f| f as i64);
-    if given.is_some()
-        && number.is_none()
-        && let Some(name) = names.find(|name| frames::has_pattern(name))
-    {
-        return Err(Failure::usage(format!("{name} has no place for frame {value}, only for whole numbers")));
-    }
-    Ok(Frame { value, number })
 }
 
 /// The names of the files to write.
@@ -289,8 +267,7 @@ pub(in crate::cli) fn scene(images: &ImageArgs) -> Result<Option<Seen>, Failure>
 }
 
 /// The files that the program looks up in a frame.
-pub(super) fn textures(program: &Program, frame: Option<i64>) -> impl Iterator<Item = PathBuf> {
-    let frame = frame.unwrap_or(0) as f32;
+pub(super) fn textures(program: &Program, frame: Frame) -> impl Iterator<Item = PathBuf> {
     program.resolved().textures.iter().filter_map(move |(source, _)| source.path(frame).ok().flatten())
 }
 

@@ -1,12 +1,12 @@
 //! Which frames are there already: a hash of all that a frame's pixels depend on, kept in the header of its files.
 
 use super::RunArgs;
-use super::plan::{Frame, Output, Plan, textures, values};
+use super::plan::{Output, Plan, textures, values};
 use crate::cli::failure::Failure;
-use crate::cli::frames;
+use crate::cli::frames::{self, Frame};
 use crate::cli::model;
 use crate::files;
-use crate::image::is_whole;
+use crate::image::{Content, is_whole, recorded};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ impl Hashes {
             return Some(*hash);
         }
         let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(files::regular(path).ok()?).ok()?;
+        hasher.update_reader(recorded(path, Content::Data, files::regular(path)).ok()?).ok()?;
         let hash = hasher.finalize();
         self.0.insert(path.to_path_buf(), hash);
         Some(hash)
@@ -52,15 +52,15 @@ impl Hashes {
             )
         );
         add(options.as_bytes());
-        if let Some(solid) = plan.solid(args, frame.value)? {
+        if let Some(solid) = plan.solid(args, frame)? {
             for source in solid.program().sources().iter() {
                 add(source.text.as_bytes());
             }
         }
-        let named = |path: &str| frame.number.map_or_else(|| path.into(), |f| frames::fill(path, f));
-        let inputs = args.images.input.iter().map(|i| (i.name.as_deref(), PathBuf::from(named(&i.path))));
-        let textures = textures(&plan.program, frame.number);
-        let mesh = args.images.view.mesh.iter().flat_map(|mesh| model::files(Path::new(&named(mesh))));
+        let named = |path: &str| frames::input(path, frame.number);
+        let inputs = args.images.input.iter().map(|i| (i.name.as_deref(), named(&i.path)));
+        let textures = textures(&plan.program, frame);
+        let mesh = args.images.view.mesh.iter().flat_map(|mesh| model::files(&named(mesh)));
         for (name, path) in inputs.chain(textures.chain(mesh).map(|path| (None, path))) {
             let Some(hash) = self.of(&path) else { return Ok(None) };
             add(name.unwrap_or_default().as_bytes());

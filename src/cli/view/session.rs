@@ -5,7 +5,7 @@ use super::source::Picture;
 use super::told;
 use crate::cli::failure::Failure;
 use crate::cli::run::set;
-use crate::image::{Image, Matrix4, same_file, write_file};
+use crate::image::{Image, Matrix4, same_file, write_program};
 use crate::program::{Limits, ParamInfo, Program, RunOptions};
 use crate::value::PixelValue;
 use serde_json::Value;
@@ -303,7 +303,7 @@ impl Session {
             state.windows
         };
         let written = if windows { text.replace('\n', "\r\n") } else { text.clone() };
-        write_file(&self.fixed.file, written.as_bytes())?;
+        write_program(&self.fixed.file, &written)?;
         let mut state = self.state();
         state.saves += u64::from(state.disk.text() != Some(&text));
         state.base = Some(text.clone());

@@ -3,9 +3,9 @@
 use super::PreviewArgs;
 use crate::cli::camera::{Camera, CameraRequest};
 use crate::cli::failure::Failure;
-use crate::cli::frames::has_pattern;
+use crate::cli::frames::{self, Frame};
 use crate::cli::input::{InputArg, Inputs, MapArg};
-use crate::cli::run::{frame, reading, scene};
+use crate::cli::run::{reading, scene};
 use crate::cli::scene::ViewArgs;
 use crate::image::{Image, Input, Matrix4};
 use crate::program::Program;
@@ -77,7 +77,9 @@ impl Pictures {
     /// What the arguments name.
     pub fn new(args: &PreviewArgs) -> Result<Pictures, Failure> {
         let images = &args.images;
-        let scene = scene(images)?.map(|seen| images.view.renderer(&seen, None, false)).transpose()?;
+        let frame = args.first_frame();
+        let scene =
+            scene(images)?.map(|seen| images.view.renderer(&seen, frame.number, false)).transpose()?;
         let mut pipes = BTreeMap::new();
         for path in images.input.iter().map(|input| PathBuf::from(&input.path)) {
             let seekable = Input::from_argument(&path)?.seekable()?;
@@ -98,13 +100,13 @@ impl Pictures {
 
     /// The files of a frame.
     pub fn files(&self, number: f32) -> Vec<PathBuf> {
-        let fill = |path: &String| PathBuf::from(crate::cli::frames::fill(path, number as i64));
-        self.input.iter().map(|input| fill(&input.path)).collect()
+        let number = Frame::from(number).number;
+        self.input.iter().map(|input| frames::input(&input.path, number)).collect()
     }
 
     /// Is every frame another image?
     pub fn animated(&self) -> bool {
-        self.input.iter().any(|input| has_pattern(&input.path))
+        self.input.iter().any(|input| frames::is_sequence(&input.path))
     }
 
     /// All variables that programs can read.
@@ -121,8 +123,9 @@ impl Pictures {
         number: f32,
         files: u64,
     ) -> Result<Picture, Failure> {
-        let paths = self.input.iter().map(|input| input.path.as_str());
-        let frame = frame(Some(number), paths)?;
+        let frame = Frame::from(number);
+        let mut sequences = self.input.iter().filter(|input| frames::is_sequence(&input.path));
+        sequences.try_for_each(|input| frames::check_number(&input.path, frame))?;
         let of = (files, frame.number.filter(|_| self.animated()));
         let (mut wanted, _) = reading(program, also, false, false);
         if let Some(kept) = self.kept.as_ref().filter(|kept| kept.of == of) {
