@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 mod bands;
 #[path = "cli/camera.rs"]
 mod camera;
+#[path = "cli/exr.rs"]
+mod exr;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/flow.rs"]

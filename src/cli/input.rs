@@ -120,6 +120,8 @@ pub(super) struct Opened {
     pub name: Option<String>,
     /// The file.
     pub file: File,
+    /// Is it one of a sequence?
+    of_sequence: bool,
 }
 
 /// What finds the visible surface where there is no file.
@@ -263,7 +265,8 @@ impl Inputs {
             let own = |m: &&MapArg| m.image == arg.name;
             let maps = maps.iter().filter(own).map(|m| m.mapping.clone()).collect();
             let file = read(source(&path)?, &ReadOptions { maps, raw })?;
-            list.push(Opened { name: arg.name.clone(), file });
+            let of_sequence = frames::has_pattern(&arg.path);
+            list.push(Opened { name: arg.name.clone(), file, of_sequence });
         }
         Ok(Inputs { list, resection: OnceLock::new() })
     }
@@ -293,13 +296,14 @@ impl Inputs {
             let what = if matches!(scene, Finder::Solid(_)) { "the solid" } else { "the scene or mesh" };
             first = Some(what.to_string());
         }
-        for Opened { name, file } in &self.list {
+        for Opened { name, file, .. } in &self.list {
             let mut names = Vec::new();
             for full in wanted {
                 let own = match name {
                     Some(name) => full.strip_prefix(name.as_str()).and_then(|rest| rest.strip_prefix('.')),
-                    // Of two unnamed images that have a variable, the first gives it.
-                    None => Some(full.as_str()).filter(|n| !n.contains('.') && !taken.contains(n)),
+                    // Of two unnamed images that have a variable, the first gives it. One with a point in its name is of
+                    // another view, unless an image is called so.
+                    None => Some(full.as_str()).filter(|n| !self.is_of_named(n) && !taken.contains(n)),
                 };
                 let Some(own) = own else { continue };
                 match file.find(own) {
@@ -329,12 +333,24 @@ impl Inputs {
         self.list.iter().find(own).map(|opened| opened.file.name())
     }
 
+    /// Has an image without a name, and no other, a view of that name?
+    fn has_view(&self, view: &str) -> bool {
+        !self.list.iter().any(|o| o.name.as_deref() == Some(view))
+            && self.list.iter().any(|o| o.name.is_none() && o.file.has_view(view))
+    }
+
+    /// Is it a variable of an image with a name?
+    fn is_of_named(&self, full: &str) -> bool {
+        let image = full.split_once('.').map(|(image, _)| image);
+        image.is_some() && self.list.iter().any(|opened| opened.name.as_deref() == image)
+    }
+
     /// Does some input have the variable? An error if several of its channels could be it.
     pub fn find(&self, full: &str) -> Option<Result<(), ImageError>> {
         self.list.iter().find_map(|opened| {
             let own = match &opened.name {
                 Some(name) => full.strip_prefix(name.as_str())?.strip_prefix('.')?,
-                None => Some(full).filter(|n| !n.contains('.'))?,
+                None => Some(full).filter(|n| !self.is_of_named(n))?,
             };
             match opened.file.find(own) {
                 Ok(_) => Some(Ok(())),
@@ -347,10 +363,16 @@ impl Inputs {
     /// What to tell a program that reads a variable which no input has.
     pub fn missing(&self, full: &str) -> Vec<String> {
         let (image, own) = match full.split_once('.') {
+            Some((view, _)) if self.has_view(view) => (None, full),
             Some((image, own)) => (Some(image), own),
             None => (None, full),
         };
-        let Some(opened) = self.list.iter().find(|o| o.name.as_deref() == image) else {
+        let of_view =
+            |o: &Opened| own == full && full.split_once('.').is_some_and(|(v, _)| o.file.has_view(v));
+        let named = |o: &&Opened| o.name.as_deref() == image;
+        // Of several images without a name the one that has the view knows more of it.
+        let found = self.list.iter().find(|o| named(o) && of_view(o));
+        let Some(opened) = found.or_else(|| self.list.iter().find(named)) else {
             return vec![match image {
                 Some(image) => {
                     format!("There is no input called {image}: name one with -i {image}=FILE.")
@@ -360,7 +382,16 @@ impl Inputs {
         };
         let hints = opened.file.missing(own).hints;
         let argument = image.map_or("--map ".to_string(), |i| format!("--map {i}."));
-        hints.into_iter().map(|h| h.replace("--map ", &argument)).collect()
+        // Of a sequence it matters which file it is.
+        let owner = match opened.of_sequence {
+            true => format!("`{}` has ", opened.file.name()),
+            false => "It has ".into(),
+        };
+        let named = |hint: String| match hint.strip_prefix("It has ") {
+            Some(rest) => format!("{owner}{rest}"),
+            None => hint,
+        };
+        hints.into_iter().map(|h| named(h.replace("--map ", &argument))).collect()
     }
 }
 

@@ -140,7 +140,7 @@ impl Bound<'_> {
         if self.has(name) || !names::USUAL_INPUTS.contains(&name) {
             return None;
         }
-        Some(self.missing_hints(name).join(" "))
+        Some(self.missing_hints(name).join("\n"))
     }
 
     fn missing_hints(&self, name: &str) -> Vec<String> {

@@ -1,13 +1,14 @@
 //! Which channels are which variable, decided once from the names; and what to say when none is.
 //!
-//! A group whose name is known becomes a canonical variable (`point`, `normal`, …); every group can
+//! Of a file with several views each has variables of its own: those of the hero, the first, have plain names, and
+//! those of the others the view's before them, `left.color`. A group whose name is known becomes a canonical variable (`point`, `normal`, …); every group can
 //! also be read by its own last name. If several groups could be the same canonical variable, the
 //! spelling that comes first in the table of `names` wins; with the same spelling, one
 //! without a prefix wins over one with, and any over Blender's `Composite`; otherwise the variable is
 //! ambiguous, which is an error only for a program that reads it.
 
 use super::error::{ErrorKind, ImageError};
-use super::names::{self, Group};
+use super::names::{self, Family, Group};
 use crate::shape::Shape;
 use std::str::FromStr;
 
@@ -53,6 +54,54 @@ pub struct Candidate {
     pub channels: Vec<usize>,
     /// How they nest.
     pub shape: Shape,
+    /// Are they luminance and chroma, `Y`, `RY` and `BY`, which become red, green and blue when they are read?
+    pub luminance_chroma: bool,
+}
+
+impl Candidate {
+    fn plain(group: String, channels: Vec<usize>) -> Candidate {
+        let shape = match channels.len() {
+            1 => Shape::Scalar,
+            n => Shape::Vector(n as u32),
+        };
+        Candidate { group, channels, shape, luminance_chroma: false }
+    }
+}
+
+/// A channel as variables are found by it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ChannelName {
+    /// With the layer in the part's name.
+    pub full: String,
+    /// Without the view, and without a part's name that says nothing.
+    pub short: String,
+    /// The view, if it is another than the hero.
+    pub view: Option<String>,
+    /// Has it no layer but the name of its part?
+    pub layerless: bool,
+    /// Which part of the file holds it.
+    pub part: usize,
+    /// Its place in that part.
+    pub index: usize,
+    /// Is its part not read?
+    pub unread: bool,
+    /// Has it fewer samples than pixels?
+    pub subsampled: bool,
+}
+
+impl ChannelName {
+    /// A channel of a file with neither parts nor views.
+    pub fn plain(name: &str) -> ChannelName {
+        ChannelName { full: name.to_string(), short: name.to_string(), ..ChannelName::default() }
+    }
+}
+
+/// The variables of a file.
+pub(crate) struct Bound {
+    /// Those that can be read.
+    pub bindings: Vec<Binding>,
+    /// Those that are in the file, but not read.
+    pub unread: Vec<Binding>,
 }
 
 /// A variable that a file offers.
@@ -69,143 +118,269 @@ pub struct Binding {
 /// Less is better: the spelling's place in the table, then how deep the name is.
 type Rank = (usize, usize);
 
-/// The rank of a group's own name, below every known spelling.
-const OWN: usize = 1000;
+/// The rank of what only a part's name says, below every known spelling.
+const BY_PART: usize = 500;
 
-/// The variables of a file with channels of these full names, after the user's mappings.
-pub(crate) fn bind(file: &str, channels: &[String], maps: &[Mapping]) -> Result<Vec<Binding>, ImageError> {
-    let groups = names::groups(channels);
-    let mut offers: Vec<(String, Rank, Candidate, usize)> = Vec::new();
-    for (index, group) in groups.iter().enumerate() {
-        let depth = match group.path.split('.').next() {
-            Some(first) if first.eq_ignore_ascii_case("composite") => 2,
-            _ => usize::from(group.path.contains('.')),
-        };
-        let shown = shown(group, channels);
-        for (name, rank, used) in names::canonical(group) {
-            let shape = if used.len() == 1 { Shape::Scalar } else { Shape::Vector(used.len() as u32) };
-            let from = used.iter().map(|&i| group.channels[i]).collect();
-            let candidate = Candidate { group: shown.clone(), channels: from, shape };
-            offers.push((name.to_string(), (rank, depth), candidate, index));
-        }
-        let whole = Candidate { group: shown, channels: group.channels.clone(), shape: group.shape.clone() };
-        offers.push((group.own.clone(), (OWN, depth), whole, index));
-        if group.path.is_empty() {
-            // The beauty's channels, which have no group name, can be read one by one.
-            for &channel in &group.channels {
-                let name = channels[channel].clone();
-                let one = Candidate { group: name.clone(), channels: vec![channel], shape: Shape::Scalar };
-                offers.push((names::identifier(&name), (OWN, depth), one, index));
-            }
+/// The rank of a group's own name, below that.
+const OWN: usize = 1_000_000;
+
+/// A group of channels of one view.
+struct Viewed {
+    /// Its channels are those of the file.
+    group: Group,
+    /// Its name as `--map` takes it, with the view.
+    shown: String,
+    /// Names by which it can be called too.
+    others: Vec<String>,
+    view: Option<String>,
+    /// Its part, if its channels have no layer but the part's name.
+    layerless: Option<usize>,
+}
+
+/// A group that may be a variable.
+struct Offer {
+    name: String,
+    rank: Rank,
+    candidate: Candidate,
+    /// Which group.
+    group: usize,
+}
+
+/// The groups of all views, the hero's first.
+fn viewed(channels: &[ChannelName]) -> Vec<Viewed> {
+    let mut views: Vec<&Option<String>> = vec![&None];
+    for channel in channels {
+        if !views.contains(&&channel.view) {
+            views.push(&channel.view);
         }
     }
-    // Keep the best offers for each name.
-    let mut bindings: Vec<(Binding, Rank, usize)> = Vec::new();
-    for (name, rank, candidate, index) in offers {
-        match bindings.iter_mut().find(|(b, _, _)| b.name == name) {
-            None => bindings.push((Binding { name, alias: false, candidates: vec![candidate] }, rank, index)),
-            Some((binding, best, at)) if rank < *best => {
+    let mut list = Vec::new();
+    for view in views {
+        let places: Vec<usize> = (0..channels.len()).filter(|&c| channels[c].view == *view).collect();
+        let names: Vec<String> = places.iter().map(|&c| channels[c].short.clone()).collect();
+        for mut group in names::groups(&names) {
+            group.channels.iter_mut().for_each(|c| *c = places[*c]);
+            let first = &channels[group.channels[0]];
+            let same = |c: &&usize| channels[**c].layerless && channels[**c].part == first.part;
+            let layerless = group.channels.iter().all(|c| same(&c)).then_some(first.part);
+            // The name that the channels have in the file without their last field.
+            let stored = first.full.rsplit_once('.').map(|(layer, _)| layer.to_string());
+            let (shown, short) = match (view, group.path.is_empty()) {
+                (None, false) => (group.path.clone(), None),
+                (None, true) => {
+                    let names = group.channels.iter().map(|&c| channels[c].full.as_str());
+                    (names.collect::<Vec<_>>().join(","), None)
+                }
+                (Some(view), true) => (view.clone(), None),
+                (Some(view), false) => (format!("{view}.{}", group.path), None),
+            };
+            let others = stored.into_iter().chain(short).filter(|name: &String| *name != shown).collect();
+            list.push(Viewed { group, shown, others, view: view.clone(), layerless });
+        }
+    }
+    list
+}
+
+/// What a group may be, with the names that variables have in its view.
+fn offers(index: usize, viewed: &Viewed, channels: &[ChannelName], list: &mut Vec<Offer>) {
+    let Viewed { group, shown, view, layerless, .. } = viewed;
+    let depth = match group.path.split('.').next() {
+        Some(first) if first.eq_ignore_ascii_case("composite") => 2,
+        _ => usize::from(group.path.contains('.')),
+    };
+    let mut offer = |name: &str, rank: usize, candidate: Candidate| {
+        let name = match view {
+            Some(view) => format!("{}.{name}", names::identifier(view)),
+            None => name.to_string(),
+        };
+        list.push(Offer { name, rank: (rank, depth), candidate, group: index });
+    };
+    let converted = group.family == Family::LuminanceChroma;
+    let mut known = names::canonical(group);
+    if let (Some(part), true) = (layerless, known.is_empty()) {
+        known = names::of_part(group).into_iter().map(|(name, used)| (name, BY_PART + part, used)).collect();
+    }
+    for (name, rank, used) in known {
+        let from = used.iter().map(|&i| group.channels[i]).collect();
+        let candidate = Candidate::plain(shown.clone(), from);
+        let luminance_chroma = converted && name == "color";
+        offer(name, rank, Candidate { luminance_chroma, ..candidate });
+    }
+    let whole = Candidate {
+        group: shown.clone(),
+        channels: group.channels.iter().copied().take(if converted { 3 } else { usize::MAX }).collect(),
+        shape: group.shape.clone(),
+        luminance_chroma: converted,
+    };
+    offer(&group.own, OWN, whole);
+    if group.path.is_empty() {
+        // The beauty's channels, which have no group name, can be read one by one.
+        for &channel in &group.channels {
+            let ChannelName { full, short, .. } = &channels[channel];
+            let own = names::identifier(short);
+            offer(&own, OWN, Candidate::plain(full.clone(), vec![channel]));
+        }
+    }
+}
+
+/// Can all channels of it be read?
+fn is_read(candidate: &Candidate, channels: &[ChannelName]) -> bool {
+    let first = candidate.channels.first().map(|&c| channels[c].part);
+    candidate.channels.iter().enumerate().all(|(i, &c)| {
+        // Chroma is interpolated where it is subsampled; it lies where the luminance does.
+        let chroma = candidate.luminance_chroma && i > 0 && Some(channels[c].part) == first;
+        !channels[c].unread && (!channels[c].subsampled || chroma)
+    })
+}
+
+/// The variables of a file with such channels, after the user's mappings.
+pub(crate) fn bind(file: &str, channels: &[ChannelName], maps: &[Mapping]) -> Result<Bound, ImageError> {
+    let groups = viewed(channels);
+    let mut list = Vec::new();
+    for (index, viewed) in groups.iter().enumerate() {
+        offers(index, viewed, channels, &mut list);
+    }
+    // Keep the best offers for each name. What cannot be read is no worse for it: another group in its place would be
+    // something else than the file says.
+    let mut best: Vec<(Binding, Rank, usize)> = Vec::new();
+    for Offer { name, rank, candidate, group } in list {
+        match best.iter_mut().find(|(b, _, _)| b.name == name) {
+            None => best.push((Binding { name, alias: false, candidates: vec![candidate] }, rank, group)),
+            Some((binding, least, at)) if rank < *least => {
                 binding.candidates = vec![candidate];
-                (*best, *at) = (rank, index);
+                (*least, *at) = (rank, group);
             }
-            Some((binding, best, at)) if rank == *best && *at != index => binding.candidates.push(candidate),
+            Some((binding, least, at)) if rank == *least && *at != group => {
+                binding.candidates.push(candidate)
+            }
             Some(_) => {}
         }
     }
-    let canonical: Vec<usize> = bindings.iter().filter(|(_, r, _)| r.0 < OWN).map(|(_, _, i)| *i).collect();
-    let mut bindings: Vec<Binding> = bindings
-        .into_iter()
-        .map(|(mut binding, rank, index)| {
-            binding.alias = rank.0 == OWN && canonical.contains(&index);
-            binding
-        })
-        .collect();
-    for map in maps {
-        apply(map, file, channels, &groups, &mut bindings)?;
+    let canonical: Vec<usize> = best.iter().filter(|(_, r, _)| r.0 < OWN).map(|(_, _, i)| *i).collect();
+    let mut bound = Bound { bindings: Vec::new(), unread: Vec::new() };
+    for (mut binding, rank, group) in best {
+        binding.alias = rank.0 == OWN && canonical.contains(&group);
+        let (read, unread): (Vec<_>, Vec<_>) =
+            binding.candidates.into_iter().partition(|c| is_read(c, channels));
+        match read.is_empty() {
+            true => bound.unread.push(Binding { candidates: unread, ..binding }),
+            false => bound.bindings.push(Binding { candidates: read, ..binding }),
+        }
     }
-    Ok(bindings)
+    for map in maps {
+        apply(map, file, channels, &groups, &mut bound.bindings)?;
+    }
+    Ok(bound)
 }
 
-/// A group's name as `--map` takes it: at the root, where it has none, its channels.
-fn shown(group: &Group, channels: &[String]) -> String {
-    let names: Vec<&str> = group.channels.iter().map(|&c| channels[c].as_str()).collect();
-    match group.path.is_empty() {
-        true => names.join(","),
-        false => group.path.clone(),
+/// Sets a variable to a candidate, whatever it was.
+fn put(bindings: &mut Vec<Binding>, name: &str, candidate: Candidate) {
+    let binding = Binding { name: name.to_string(), alias: false, candidates: vec![candidate] };
+    match bindings.iter_mut().find(|b| b.name == name) {
+        Some(old) => *old = binding,
+        None => bindings.push(binding),
     }
 }
 
 fn apply(
     map: &Mapping,
     file: &str,
-    channels: &[String],
-    groups: &[Group],
+    channels: &[ChannelName],
+    groups: &[Viewed],
     bindings: &mut Vec<Binding>,
 ) -> Result<(), ImageError> {
-    let mut put = |name: &str, candidate: Candidate| {
-        let binding = Binding { name: name.to_string(), alias: false, candidates: vec![candidate] };
-        match bindings.iter_mut().find(|b| b.name == name) {
-            Some(old) => *old = binding,
-            None => bindings.push(binding),
-        }
+    let checked = |candidate: Candidate| match is_read(&candidate, channels) {
+        true => Ok(candidate),
+        false => Err(unread(map, &candidate, file, channels)),
+    };
+    // A channel by its full name, or by the one that it has beside its view.
+    let one = |wanted: &str| {
+        let names = |c: &ChannelName| [Some(c.full.clone()), Some(with_view(c)).filter(|n| *n != c.full)];
+        let list = channels
+            .iter()
+            .enumerate()
+            .flat_map(|(i, c)| names(c).into_iter().flatten().map(move |n| (i, n)));
+        pick(wanted, &list.collect::<Vec<_>>())
     };
     if map.channels.contains(',') {
-        let picked = map.channels.split(',').map(|part| {
-            match pick(part.trim(), channels.iter().map(String::as_str)).as_slice() {
-                [one] => Ok(*one),
-                found => Err(unmapped(map, part.trim(), found, file, channels, groups)),
-            }
+        let picked = map.channels.split(',').map(|part| match one(part.trim()).as_slice() {
+            [one] => Ok(*one),
+            found => Err(unmapped(map, part.trim(), found, file, channels, groups)),
         });
         let from = picked.collect::<Result<Vec<usize>, _>>()?;
         let shape = Shape::Vector(from.len() as u32);
-        put(&map.name, Candidate { group: map.channels.clone(), channels: from, shape });
+        let candidate = Candidate { shape, ..Candidate::plain(map.channels.clone(), from) };
+        put(bindings, &map.name, checked(candidate)?);
         return Ok(());
     }
-    match pick(&map.channels, groups.iter().map(|g| g.path.as_str())).as_slice() {
+    let named = groups.iter().enumerate().flat_map(|(i, g)| {
+        let own = Some(&g.shown).filter(|_| !g.group.path.is_empty() || g.view.is_some());
+        own.into_iter().chain(&g.others).map(move |name| (i, name.clone()))
+    });
+    match pick(&map.channels, &named.collect::<Vec<_>>()).as_slice() {
         [] => {}
         [one] => {
-            let group = &groups[*one];
+            let Viewed { group, shown, .. } = &groups[*one];
+            let converted = group.family == Family::LuminanceChroma;
+            let all = if converted { 3 } else { group.channels.len() };
             // A known variable takes as many components as it has: a point three, an id one.
             let wanted = match map.name.as_str() {
                 "point" | "normal" | "color" | "albedo" => 3,
                 "uv" => 2,
                 "surface" | "depth" | "alpha" => 1,
-                _ => group.channels.len(),
+                _ => all,
             };
-            let whole = wanted >= group.channels.len();
-            let shape = match wanted {
-                _ if whole => group.shape.clone(),
-                1 => Shape::Scalar,
-                n => Shape::Vector(n as u32),
-            };
-            let from = group.channels.iter().copied().take(wanted).collect();
-            let shown = shown(group, channels);
+            let whole = wanted >= all || converted;
+            let from = group.channels.iter().copied().take(if whole { all } else { wanted }).collect();
+            let mut candidate = Candidate::plain(shown.clone(), from);
+            if whole {
+                candidate.shape = group.shape.clone();
+                candidate.luminance_chroma = converted;
+            }
             if map.name == "color"
                 && let Some(a) = group.letters.find('a')
             {
-                let from = vec![group.channels[a]];
-                put("alpha", Candidate { group: shown.clone(), channels: from, shape: Shape::Scalar });
+                put(bindings, "alpha", checked(Candidate::plain(shown.clone(), vec![group.channels[a]]))?);
             }
-            put(&map.name, Candidate { group: shown, channels: from, shape });
+            put(bindings, &map.name, checked(candidate)?);
             return Ok(());
         }
         several => {
-            let found: Vec<String> = several.iter().map(|&g| groups[g].path.clone()).collect();
+            let found: Vec<String> = several.iter().map(|&g| groups[g].shown.clone()).collect();
             return Err(several_match(map, &map.channels, &found, file));
         }
     }
-    match pick(&map.channels, channels.iter().map(String::as_str)).as_slice() {
+    match one(&map.channels).as_slice() {
         [one] => {
-            let group = channels[*one].clone();
-            put(&map.name, Candidate { group, channels: vec![*one], shape: Shape::Scalar });
+            let candidate = Candidate::plain(channels[*one].full.clone(), vec![*one]);
+            put(bindings, &map.name, checked(candidate)?);
             Ok(())
         }
         found => Err(unmapped(map, &map.channels, found, file, channels, groups)),
     }
 }
 
-/// The names that `wanted` means: the name itself, else in another case, else as the end of a name.
-fn pick<'a>(wanted: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<usize> {
+/// A channel's short name behind its view.
+fn with_view(channel: &ChannelName) -> String {
+    match &channel.view {
+        Some(view) => format!("{view}.{}", channel.short),
+        None => channel.short.clone(),
+    }
+}
+
+/// The error of a mapping to channels that are not read.
+fn unread(map: &Mapping, candidate: &Candidate, file: &str, channels: &[ChannelName]) -> ImageError {
+    let bad = candidate.channels.iter().map(|&c| &channels[c]).find(|c| c.unread || c.subsampled);
+    let name = bad.map_or("", |c| c.full.as_str());
+    let message = format!("--map {}={}: `{name}` of `{file}` is not read", map.name, map.channels);
+    ImageError::new(ErrorKind::Mapping, message).hint(match bad.is_some_and(|c| c.unread) {
+        true => "The part that holds it is not read: see `pse info`.",
+        false => "It is subsampled: convert it to full resolution first.",
+    })
+}
+
+/// What `wanted` means of things and their names: the name itself, else in another case, else as the end of a name.
+fn pick(wanted: &str, names: &[(usize, String)]) -> Vec<usize> {
     let lower = wanted.to_lowercase();
     let tail = format!(".{lower}");
     let tests: [&dyn Fn(&str) -> bool; 4] =
@@ -213,7 +388,9 @@ fn pick<'a>(wanted: &str, names: impl Iterator<Item = &'a str> + Clone) -> Vec<u
             n.to_lowercase().ends_with(&tail)
         }];
     for test in tests {
-        let found: Vec<usize> = names.clone().enumerate().filter(|(_, n)| test(n)).map(|(i, _)| i).collect();
+        let mut found: Vec<usize> =
+            names.iter().filter(|(_, name)| test(name)).map(|(thing, _)| *thing).collect();
+        found.dedup();
         if !found.is_empty() {
             return found;
         }
@@ -236,20 +413,20 @@ fn unmapped(
     wanted: &str,
     found: &[usize],
     file: &str,
-    channels: &[String],
-    groups: &[Group],
+    channels: &[ChannelName],
+    groups: &[Viewed],
 ) -> ImageError {
     if !found.is_empty() {
-        let found: Vec<String> = found.iter().map(|&c| channels[c].clone()).collect();
+        let found: Vec<String> = found.iter().map(|&c| channels[c].full.clone()).collect();
         return several_match(map, wanted, &found, file);
     }
     let message = format!("--map {}={}: `{file}` has no channels `{wanted}`", map.name, map.channels);
     let mut error = ImageError::new(ErrorKind::Mapping, message);
-    let shown: Vec<String> = groups.iter().map(|g| shown(g, channels)).collect();
-    if let Some(near) = nearest(wanted, shown.iter().map(String::as_str)) {
+    let shown = || groups.iter().map(|g| g.shown.as_str());
+    if let Some(near) = nearest(wanted, shown()) {
         error = error.hint(format!("Did you mean --map {}?", argument(&map.name, near)));
     }
-    error.hint(format!("It has {}.", list(shown.iter().map(String::as_str))))
+    error.hint(format!("It has {}.", list(shown())))
 }
 
 /// `name=group`, quoted where the shell would want it.
@@ -284,14 +461,12 @@ fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a
         .map(|(_, name)| name)
 }
 
-/// The variable `name`, if the file has it and it is one.
-pub(crate) fn find<'a>(file: &str, bindings: &'a [Binding], name: &str) -> Result<&'a Candidate, ImageError> {
-    let Some(binding) = bindings.iter().find(|b| b.name == name) else {
-        return Err(missing(file, bindings, name));
-    };
+/// What a variable is read from, if that is one thing.
+pub(crate) fn only<'b>(file: &str, binding: &'b Binding) -> Result<&'b Candidate, ImageError> {
     match binding.candidates.as_slice() {
         [one] => Ok(one),
         several => {
+            let name = &binding.name;
             let message = format!("`{file}` has {} groups of channels that could be `{name}`", several.len());
             let mut error = ImageError::new(ErrorKind::Ambiguous, message);
             for candidate in several {

@@ -1,11 +1,12 @@
 //! A file that can be read: its header first, then the variables that are asked for.
 
-use super::bind::{self, Binding, Candidate, Mapping};
+use super::bind::{self, Binding, Bound, Candidate, ChannelName, Mapping};
 use super::error::{ErrorKind, ImageError};
 use super::read_exr::{self, Exr};
 use super::read_raster::Raster;
 use super::source::{Input, Stamp};
 use super::{Image, Metadata};
+use std::borrow::Cow;
 use std::io::Read;
 
 /// How to read.
@@ -35,6 +36,8 @@ pub enum Samples {
     Double,
     /// Whole numbers of this many bits.
     Bits(u8),
+    /// In a way that is not known, so that they are not read.
+    Unknown,
 }
 
 /// A channel of a file.
@@ -48,6 +51,10 @@ pub struct Channel {
     pub index: usize,
     /// How it is stored.
     pub samples: Samples,
+    /// Why it is not read by itself, if it is not: a clause that follows "… is not read: ".
+    pub unread: Option<String>,
+    /// How many columns and rows each sample stands for.
+    pub sampling: [usize; 2],
 }
 
 /// A file whose header has been read. Pixels are decoded by [`File::load`].
@@ -56,6 +63,8 @@ pub struct File {
     pub(crate) source: Source,
     pub(crate) channels: Vec<Channel>,
     bindings: Vec<Binding>,
+    /// Variables whose channels are not read.
+    unread: Vec<Binding>,
     metadata: Metadata,
     size: [usize; 2],
     /// The file as it was when its header was read.
@@ -92,9 +101,12 @@ pub fn read(input: Input, options: &ReadOptions) -> Result<File, ImageError> {
     if channels.is_empty() {
         return Err(ImageError::damaged(&name, "it has no channels"));
     }
-    let names: Vec<String> = channels.iter().map(|c| c.name.clone()).collect();
-    let bindings = bind::bind(&name, &names, &options.maps)?;
-    Ok(File { input, source, channels, bindings, metadata, size, stamp })
+    let names: Cow<'_, [ChannelName]> = match &source {
+        Source::Exr(exr) => exr.names().into(),
+        Source::Raster(_) => channels.iter().map(|c| ChannelName::plain(&c.name)).collect(),
+    };
+    let Bound { bindings, unread } = bind::bind(&name, &names, &options.maps)?;
+    Ok(File { input, source, channels, bindings, unread, metadata, size, stamp })
 }
 
 impl File {
@@ -144,12 +156,29 @@ impl File {
     /// If there is none, with what there is and the `--map` that may help; if it is ambiguous, with
     /// the `--map`s that choose.
     pub fn find(&self, name: &str) -> Result<&Candidate, ImageError> {
-        bind::find(&self.name(), &self.bindings, name)
+        match self.bindings.iter().find(|b| b.name == name) {
+            Some(binding) => bind::only(&self.name(), binding),
+            None => Err(self.missing(name)),
+        }
+    }
+
+    /// Has it variables of a view of that name, other than the first, even if they are not read?
+    pub(crate) fn has_view(&self, view: &str) -> bool {
+        let of_view = |b: &Binding| b.name.split_once('.').is_some_and(|(own, _)| own == view);
+        self.bindings.iter().chain(&self.unread).any(of_view)
     }
 
     /// What to tell a program that reads `name`, which this file does not have.
     pub fn missing(&self, name: &str) -> ImageError {
-        bind::missing(&self.name(), &self.bindings, name)
+        let error = bind::missing(&self.name(), &self.bindings, name);
+        let Some(binding) = self.unread.iter().find(|b| b.name == name) else { return error };
+        // The reason comes before anything else that might be tried.
+        let list = binding.candidates.iter().flat_map(|c| &c.channels).map(|&c| &self.channels[c]);
+        let first = list.clone().find(|c| c.unread.is_some());
+        let why = first.and_then(|c| Some(format!("`{}` is not read: {}.", c.name, c.unread.as_ref()?)));
+        // That it should be rendered is no advice for what is there.
+        let others = error.hints.into_iter().filter(|hint| !hint.starts_with("None of its channels"));
+        ImageError { hints: why.into_iter().chain(others).collect(), ..error }
     }
 
     /// Decodes these variables, in this order, and nothing else.

@@ -2,11 +2,12 @@
 //! and notes on what may surprise.
 
 use super::error::ImageError;
-use super::file::{File, Samples, Source};
+use super::file::{Channel, File, Samples, Source};
+use super::header_exr::text;
 use super::names::last_field;
+use super::read_exr::ExrPart;
 use super::scan_exr::Scan;
 use super::scan_raster::RasterScan;
-use exr::math::Vec2;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::AttributeValue;
 use std::fmt;
@@ -51,6 +52,8 @@ pub struct PartInfo {
     pub origin: [i32; 2],
     /// Deep data, which is not read.
     pub deep: bool,
+    /// Why it is not read, if it is not: a clause that follows "… is not read: ".
+    pub unread: Option<String>,
 }
 
 /// One channel, with the range of its numbers.
@@ -129,22 +132,30 @@ pub fn info(file: &File) -> Result<Info, ImageError> {
     let (format, parts) = match &file.source {
         Source::Exr(exr) => {
             let mut row = vec![0f32; file.size()[0]];
-            // Subsampled channels can be listed though they can't be read.
-            let wanted: Vec<bool> = file
-                .channels
-                .iter()
-                .map(|c| exr.headers()[c.part].channels.list.iter().all(|d| d.sampling == Vec2(1, 1)))
-                .collect();
-            if wanted.contains(&false) {
-                notes.push("Parts with subsampled channels are not read.".to_string());
+            let readable = |c: &Channel| exr.parts[c.part].readable().is_some();
+            let count = exr.headers().count();
+            let mut faults = Vec::new();
+            // One part that is damaged does not keep the others from being described.
+            for (index, part) in exr.parts.iter().enumerate() {
+                let wanted: Vec<bool> =
+                    file.channels.iter().map(|c| c.part == index && readable(c)).collect();
+                let mut scan = Scan::new(exr, &file.input, &file.channels, &wanted)?;
+                let scanned = scan.decode(0..file.size()[1], |line| {
+                    let row = &mut row[..line.len()];
+                    line.floats(row, 1);
+                    channels[line.channel].add(row, &mut sums[line.channel]);
+                });
+                if let Err(fault) = scanned {
+                    notes.push(format!("The part `{}` cannot be read: {fault}.", part.name));
+                    faults.push(fault);
+                }
             }
-            let mut scan = Scan::new(exr, &file.input, &file.channels, &wanted)?;
-            scan.decode(0..file.size()[1], |line| {
-                let row = &mut row[..line.len()];
-                line.floats(row);
-                channels[line.channel].add(row, &mut sums[line.channel]);
-            })?;
-            ("OpenEXR".to_string(), exr.headers().iter().map(part).collect())
+            if faults.len() == count
+                && let Some(fault) = faults.pop()
+            {
+                return Err(fault);
+            }
+            ("OpenEXR".to_string(), exr.parts.iter().map(part).collect())
         }
         Source::Raster(raster) => {
             let mut scan = RasterScan::new(raster, &file.input)?;
@@ -181,18 +192,28 @@ pub fn info(file: &File) -> Result<Info, ImageError> {
     })
 }
 
-fn part(header: &exr::meta::header::Header) -> PartInfo {
-    let position = header.own_attributes.layer_position;
+fn part(part: &ExrPart) -> PartInfo {
+    let header = part.header.as_ref();
+    let position = header.map_or([0, 0], |h| {
+        let position = h.own_attributes.layer_position;
+        [position.x(), position.y()]
+    });
     PartInfo {
-        name: header.own_attributes.layer_name.as_ref().map_or(String::new(), ToString::to_string),
-        compression: format!("{}", header.compression),
-        layout: match header.blocks {
-            BlockDescription::ScanLines => "scan lines".into(),
-            BlockDescription::Tiles(t) => format!("tiles of {} x {}", t.tile_size.0, t.tile_size.1),
+        name: part.name.clone(),
+        compression: part
+            .unread_compression
+            .clone()
+            .or(header.map(|h| h.compression.to_string()))
+            .unwrap_or_default(),
+        layout: match header.map(|h| h.blocks) {
+            Some(BlockDescription::ScanLines) => "scan lines".into(),
+            Some(BlockDescription::Tiles(t)) => format!("tiles of {} x {}", t.tile_size.0, t.tile_size.1),
+            None => String::new(),
         },
-        size: [header.layer_size.0, header.layer_size.1],
-        origin: [position.x(), position.y()],
-        deep: header.deep,
+        size: header.map_or([0, 0], |h| [h.layer_size.0, h.layer_size.1]),
+        origin: position,
+        deep: header.is_some_and(|h| h.deep),
+        unread: part.refusal.as_ref().map(|refusal| refusal.why.clone()),
     }
 }
 
@@ -203,11 +224,17 @@ fn name_variables(file: &File, channels: &mut [ChannelInfo]) {
             let names = component_names(&candidate.shape, candidate.channels.len());
             for (component, &channel) in names.iter().zip(&candidate.channels) {
                 let mark = if binding.candidates.len() > 1 { "?" } else { "" };
+                // Each of three channels of luminance and chroma has a part in all of the colour.
+                let component = if candidate.luminance_chroma { "" } else { component.as_str() };
                 let name = format!("{}{component}{mark}", binding.name);
                 let name = if binding.alias { format!("({name})") } else { name };
                 // A grey image's one channel is all three of its colour.
                 let list = &mut channels[channel].variables;
-                if !list.iter().any(|v| v.split('.').next() == name.split('.').next()) {
+                let same = |v: &String| {
+                    let rest = v.trim_start_matches('(').strip_prefix(binding.name.as_str());
+                    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[', '?', ')']))
+                };
+                if !list.iter().any(same) {
                     list.push(name);
                 }
             }
@@ -227,10 +254,22 @@ fn component_names(shape: &crate::shape::Shape, cells: usize) -> Vec<String> {
 
 fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: &mut Vec<String>) {
     let of = |name: &str| file.find(name).ok().map(|c| &channels[c.channels[0]]);
-    for part in parts.iter().filter(|p| p.deep) {
-        notes.push(format!("The part `{}` holds deep data and is not read.", part.name));
+    let read = || parts.iter().filter(|p| p.unread.is_none());
+    for (index, part) in parts.iter().enumerate() {
+        if let Some(why) = &part.unread {
+            let name =
+                if part.name.is_empty() { (index + 1).to_string() } else { format!("`{}`", part.name) };
+            notes.push(format!("The part {name} is not read: {why}."));
+        }
     }
-    if parts.iter().any(|p| (p.size, p.origin) != (parts[0].size, parts[0].origin)) {
+    for channel in file.channels.iter().filter(|c| parts.get(c.part).is_some_and(|p| p.unread.is_none())) {
+        let shown = channels.iter().any(|c| c.name == channel.name && !c.variables.is_empty());
+        if let Some(why) = channel.unread.as_ref().filter(|_| !shown) {
+            notes.push(format!("`{}` is not read: {why}.", channel.name));
+        }
+    }
+    let windows = || read().map(|p| (p.size, p.origin));
+    if windows().any(|window| Some(window) != windows().next()) {
         notes.push("The parts' data windows differ; outside its own, a part's channels read 0.".into());
     }
     let lossy: Vec<&str> = file
@@ -240,7 +279,8 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
         .filter(|(c, about)| {
             let dwa = parts.get(c.part).is_some_and(|p| p.compression.to_lowercase().starts_with("dwa"));
             let picture = about.variables.iter().any(|v| v.starts_with("color") || v.starts_with("alpha"));
-            dwa && !picture && matches!(last_field(&c.name), "R" | "G" | "B" | "Y")
+            let lossy = matches!(last_field(&c.name), "R" | "G" | "B" | "Y" | "RY" | "BY");
+            dwa && !picture && lossy && c.unread.is_none()
         })
         .map(|(c, _)| c.name.as_str())
         .collect();
@@ -268,7 +308,18 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     } else if let Some(depth) = of("depth")
         && (depth.infinite > 0 || depth.max >= 1e9)
     {
-        notes.push("The background is probably where `depth` is infinite or 1e10.".into());
+        let far = if depth.infinite > 0 { "infinite".into() } else { short(f64::from(depth.max)) };
+        notes.push(format!("The background is probably where `depth` is {far}."));
+    }
+    if let Some(depth) = of("depth")
+        && depth.fractional > 0
+        && depth.min >= 0.0
+        && depth.max <= 1.0
+    {
+        notes.push(
+            "`depth` lies between 0 and 1: it is perhaps scaled or inverted, and no distance in the units of the scene."
+                .into(),
+        );
     }
     for binding in file.variables().iter().filter(|b| b.candidates.len() > 1) {
         let groups: Vec<String> = binding.candidates.iter().map(|c| format!("`{}`", c.group)).collect();
@@ -293,10 +344,10 @@ fn pixels(count: u64) -> String {
 /// An attribute's value for people, cut if it is long.
 pub(crate) fn attribute_text(value: &AttributeValue) -> String {
     let row = |v: &[f32]| v.iter().map(|x| x.to_string()).collect::<Vec<_>>().join(" ");
-    let text = match value {
-        AttributeValue::Text(text) => text.to_string(),
+    let shown = match value {
+        AttributeValue::Text(value) => text(value.as_slice()),
         AttributeValue::TextVector(list) => {
-            list.iter().map(ToString::to_string).collect::<Vec<String>>().join(" ")
+            list.iter().map(|value| text(value.as_slice())).collect::<Vec<String>>().join(" ")
         }
         AttributeValue::F32(v) => v.to_string(),
         AttributeValue::F64(v) => v.to_string(),
@@ -312,7 +363,7 @@ pub(crate) fn attribute_text(value: &AttributeValue) -> String {
         AttributeValue::Custom { kind, bytes } => format!("{} bytes of {kind}", bytes.len()),
         other => format!("{other:?}"),
     };
-    let mut text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let mut text: String = shown.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if let Some((cut, _)) = text.char_indices().nth(100) {
         text.truncate(cut);
         text.push('…');
@@ -348,12 +399,15 @@ impl fmt::Display for Info {
         }
         for part in &self.parts {
             let name = if part.name.is_empty() { String::new() } else { format!(" `{}`", part.name) };
-            write!(f, "part{name}: {}, {}", part.compression, part.layout)?;
-            if self.parts.len() > 1 && part.size != self.size {
+            let mut words: Vec<String> = Vec::new();
+            words.extend([&part.compression, &part.layout].into_iter().filter(|w| !w.is_empty()).cloned());
+            if self.parts.len() > 1 && part.size != self.size && part.size != [0, 0] {
                 let ([w, h], [x, y]) = (part.size, part.origin);
-                write!(f, ", {w} x {h} from column {x}, row {y}")?;
+                words.push(format!("{w} x {h} from column {x}, row {y}"));
             }
-            writeln!(f, "{}", if part.deep { ", deep" } else { "" })?;
+            words.extend(part.deep.then(|| "deep".into()));
+            words.extend(part.unread.as_ref().map(|_| "not read".into()));
+            writeln!(f, "part{name}: {}", words.join(", "))?;
         }
         let mut rows =
             vec![["channel", "type", "min", "max", "mean", "NaN", "inf", "variable"].map(String::from)];
@@ -366,6 +420,7 @@ impl fmt::Display for Info {
                 Samples::Byte => "8 bit".into(),
                 Samples::Short => "16 bit".into(),
                 Samples::Bits(bits) => format!("{bits} bit"),
+                Samples::Unknown => "?".into(),
             };
             let finite = c.count > c.nan + c.infinite;
             let number = |v: f64| if finite { short(v) } else { "-".into() };

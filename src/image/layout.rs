@@ -77,6 +77,8 @@ impl Layout {
             part: 0,
             index,
             samples: self.samples,
+            unread: None,
+            sampling: [1, 1],
         };
         self.channels.iter().enumerate().map(channel).collect()
     }

@@ -16,6 +16,8 @@ pub(crate) enum Family {
     Xyz,
     /// U V W.
     Uv,
+    /// Y, RY and BY, which are luminance and chroma, and A.
+    LuminanceChroma,
     /// Numbers: a vector of any length, or nested.
     Numbered,
     /// One channel that is no component.
@@ -37,6 +39,8 @@ pub(crate) struct Group {
     pub family: Family,
     /// How they nest.
     pub shape: Shape,
+    /// Is it one component of several, and so nothing by itself?
+    pub sibling: bool,
 }
 
 /// The canonical variables, and the names under which renderers write them, best first, as
@@ -86,7 +90,7 @@ pub(crate) const KNOWN: [(&str, &[&str]); 9] = [
         ],
     ),
     ("uv", &["uv", "st", "rayhituv", "vraysamplerinfo", "texcoord"]),
-    ("depth", &["depth", "z", "vrayzdepth", "zdepth", "pz", "rayhitpz", "worlddepth", "mist"]),
+    ("depth", &["depth", "z", "vrayzdepth", "zdepth", "pz", "rayhitpz", "worlddepth"]),
     ("color", &["", "color", "combined", "rgba", "rgb", "beauty", "ci", "c", "finalimage", "y"]),
     ("alpha", &["alpha", "a"]),
     (
@@ -140,6 +144,10 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
     let plain = !matches!(group.family, Family::Numbered);
     let first = |n: usize| (0..n).collect::<Vec<usize>>();
     let mut found = Vec::new();
+    // A component of something is not all of another thing.
+    if group.sibling {
+        return found;
+    }
     for (name, spellings) in KNOWN {
         let Some(rank) = spellings.iter().position(|s| *s == tail) else { continue };
         // Spelt exactly as ours, with no alpha mixed in, it is as long as it is: our own files come back.
@@ -147,7 +155,9 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
         let used = match name {
             _ if ours && !matches!(name, "color" | "uv") => Some(first(count)),
             // The root's channels are colour only if they are R G B; a lone `Y` is luminance.
-            "color" if tail.is_empty() && group.family != Family::Rgb => None,
+            "color" if tail.is_empty() && !matches!(group.family, Family::Rgb | Family::LuminanceChroma) => {
+                None
+            }
             "color" if tail == "y" => {
                 (at_root && group.path == "Y" && group.family == Family::Single).then(|| vec![0, 0, 0])
             }
@@ -169,10 +179,11 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
         }
         if let Some(a) = group.letters.find('a')
             && matches!(name, "color" | "uv")
-            && found.last().is_some_and(|f| f.0 == name)
+            && (found.last().is_some_and(|f| f.0 == name) || name == "color" && group.letters == "a")
         {
             let name = if name == "uv" { "uv_coverage" } else { "alpha" };
-            // Coverage that stands beside the beauty belongs to it: it ranks with it.
+            // Coverage that stands beside the beauty belongs to it: it ranks with it. So does one that has the beauty's
+            // name and a part of its own.
             found.push((name, rank, vec![a]));
         }
     }
@@ -180,13 +191,29 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
     found
 }
 
+/// What a group can be whose channels have no layer but the name of their part, where that name is none that is known.
+pub(crate) fn of_part(group: &Group) -> Vec<(&'static str, Vec<usize>)> {
+    match (group.family, group.letters.as_str()) {
+        (Family::Rgb, "rgb") | (Family::LuminanceChroma, "") => vec![("color", vec![0, 1, 2])],
+        (Family::Rgb, "rgba") | (Family::LuminanceChroma, _) => {
+            vec![("color", vec![0, 1, 2]), ("alpha", vec![3])]
+        }
+        (Family::Xyz, "z") => vec![("depth", vec![0])],
+        (Family::Xyz, "y") => vec![("color", vec![0, 0, 0])],
+        _ => Vec::new(),
+    }
+}
+
 /// Gathers channels, given by their full names, into groups; in the order of their first channels.
 pub(crate) fn groups(names: &[String]) -> Vec<Group> {
+    let mut groups = Vec::new();
+    let mut taken = vec![false; names.len()];
+    luminance_chroma(names, &mut taken, &mut groups);
     // Gather by layer, noting each channel's component.
     let mut layers: Vec<(String, Vec<(Component, usize)>)> = Vec::new();
     // At the root a small letter is a program's own name, as `a` and `y` are, but where r g b make a colour.
     let small_color = ["r", "g", "b"].iter().all(|c| names.iter().any(|n| n == c));
-    for (index, name) in names.iter().enumerate() {
+    for (index, name) in names.iter().enumerate().filter(|(i, _)| !taken[*i]) {
         let own = name.len() == 1 && name.starts_with(|c: char| c.is_ascii_lowercase()) && !small_color;
         let (layer, component) = if own { (name.clone(), Component::Other) } else { split(name) };
         match layers.iter_mut().find(|(l, _)| *l == layer) {
@@ -194,12 +221,77 @@ pub(crate) fn groups(names: &[String]) -> Vec<Group> {
             None => layers.push((layer, vec![(component, index)])),
         }
     }
-    let mut groups = Vec::new();
     for (layer, members) in layers {
         groups_of_layer(&layer, members, names, &mut groups);
     }
+    by_last_letter(names, &mut groups);
     groups.sort_by_key(|g: &Group| g.channels.iter().copied().min());
     groups
+}
+
+/// Finds layers with `Y`, `RY` and `BY`, which OpenEXR's colours of luminance and chroma are called.
+fn luminance_chroma(names: &[String], taken: &mut [bool], groups: &mut Vec<Group>) {
+    for (index, name) in names.iter().enumerate() {
+        let Some(prefix) = name.strip_suffix("RY").filter(|p| p.is_empty() || p.ends_with('.')) else {
+            continue;
+        };
+        let place = |letters: &str| names.iter().position(|n| n.strip_prefix(prefix) == Some(letters));
+        let (Some(y), Some(by)) = (place("Y"), place("BY")) else { continue };
+        let mut channels = vec![y, index, by];
+        channels.extend(place("A"));
+        channels.iter().for_each(|&c| taken[c] = true);
+        let path = prefix.trim_end_matches('.').to_string();
+        let own = if path.is_empty() { "color".into() } else { identifier(last_field(&path)) };
+        // Beside the three there may be an `a`, in the fourth place.
+        let letters = if channels.len() == 4 { "yrba".into() } else { String::new() };
+        let (family, shape) = (Family::LuminanceChroma, Shape::Vector(3));
+        groups.push(Group { path, own, channels, letters, family, shape, sibling: false });
+    }
+}
+
+/// Finds components that are told by the last letter of a name: `Px`, `Py`, `Pz`. Where what stands before the letters
+/// is a known vector's name, they are one; in any case none of them is all there is of something.
+fn by_last_letter(names: &[String], groups: &mut Vec<Group>) {
+    let mut stems: Vec<(String, Vec<(char, usize)>)> = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        let Some(letter) = name.chars().next_back().filter(|c| "xyzwXYZW".contains(*c)) else { continue };
+        // `P.x` is gathered already; of letters alone at the root, small ones are not.
+        let stem = &name[..name.len() - 1];
+        if stem.ends_with('.') {
+            continue;
+        }
+        // Capitals and small letters do not mix.
+        let stem = format!("{stem}{}", if letter.is_ascii_uppercase() { 'X' } else { 'x' });
+        match stems.iter_mut().find(|(s, _)| *s == stem) {
+            Some((_, letters)) => letters.push((letter.to_ascii_lowercase(), index)),
+            None => stems.push((stem, vec![(letter.to_ascii_lowercase(), index)])),
+        }
+    }
+    for (stem, mut letters) in stems.into_iter().filter(|(_, letters)| letters.len() > 1) {
+        let single = |g: &&mut Group| {
+            g.family == Family::Single && letters.iter().any(|(_, index)| g.channels == [*index])
+        };
+        groups.iter_mut().filter(single).for_each(|g| g.sibling = true);
+        let stem = stem[..stem.len() - 1].trim_end_matches(['_', '-', ':', ' ']);
+        let known = |(_, spellings): &(&str, &[&str])| spellings.contains(&key(last_field(stem)).as_str());
+        let is_vector =
+            |(name, _): &(&str, &[&str])| matches!(*name, "point" | "normal" | "motion" | "albedo");
+        letters.sort_by_key(|(letter, _)| "xyzw".find(*letter));
+        let order: String = letters.iter().map(|(letter, _)| *letter).collect();
+        if stem.is_empty() || !"xyzw".starts_with(&order) || !KNOWN.iter().filter(|k| is_vector(k)).any(known)
+        {
+            continue;
+        }
+        groups.push(Group {
+            path: stem.to_string(),
+            own: identifier(last_field(stem)),
+            channels: letters.iter().map(|(_, index)| *index).collect(),
+            shape: Shape::Vector(letters.len() as u32),
+            letters: order,
+            family: Family::Xyz,
+            sibling: false,
+        });
+    }
 }
 
 enum Component {
@@ -239,6 +331,7 @@ fn groups_of_layer(layer: &str, members: Vec<(Component, usize)>, names: &[Strin
         letters: String::new(),
         family: Family::Single,
         shape: Shape::Scalar,
+        sibling: false,
     };
     let mut letters: Vec<(char, usize)> = Vec::new();
     let mut numbered: Vec<(Vec<usize>, usize)> = Vec::new();
@@ -260,6 +353,7 @@ fn groups_of_layer(layer: &str, members: Vec<(Component, usize)>, names: &[Strin
                 letters: String::new(),
                 family: Family::Numbered,
                 shape,
+                sibling: false,
             }),
             // Not a whole vector, `v.2` without `v.1`: each is a scalar, named with its number.
             None => out.extend(numbered.iter().map(|(path, index)| {
@@ -293,9 +387,24 @@ fn groups_of_layer(layer: &str, members: Vec<(Component, usize)>, names: &[Strin
         match list.as_slice() {
             [] => {}
             // At the root a letter is a name, but for R G B: Z, A, and any program's own x or u. So is a
-            // letter beside another family (main.Z).
+            // letter beside another family (main.Z). X Y Z together are a vector of which nobody knows what it is.
             _ if layer.is_empty() && family != Family::Rgb => {
-                out.extend(list.iter().map(|(_, _, index)| single(*index)));
+                let (vector, others): (Vec<_>, Vec<_>) =
+                    list.iter().partition(|(_, c, _)| family == Family::Xyz && *c != 'a');
+                let mut alone = others;
+                match vector.len() {
+                    0 | 1 => alone.extend(vector),
+                    n => out.push(Group {
+                        path: String::new(),
+                        own: vector.iter().map(|(_, c, _)| *c).collect(),
+                        channels: vector.iter().map(|(_, _, index)| *index).collect(),
+                        letters: vector.iter().map(|(_, c, _)| *c).collect(),
+                        family,
+                        shape: Shape::Vector(n as u32),
+                        sibling: false,
+                    }),
+                }
+                out.extend(alone.iter().map(|(_, _, index)| single(*index)));
             }
             [(_, _, index)] if layer.is_empty() || several => out.push(single(*index)),
             _ => {
@@ -311,7 +420,7 @@ fn groups_of_layer(layer: &str, members: Vec<(Component, usize)>, names: &[Strin
                 };
                 let channels = list.iter().map(|(_, _, index)| *index).collect();
                 let path = layer.to_string();
-                out.push(Group { path, own, channels, letters, family, shape });
+                out.push(Group { path, own, channels, letters, family, shape, sibling: false });
             }
         }
     }

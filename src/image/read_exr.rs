@@ -1,27 +1,58 @@
 //! OpenEXR files: any channels, parts, tiles and compressions. Here the header; `scan_exr` has the pixels.
 //!
-//! The `exr` crate parses headers and decompresses blocks; which blocks are read, in which order, and
+//! The `exr` crate parses each part's attributes and decompresses blocks; which blocks are read, in which order, and
 //! where their numbers go, is decided by us, so that only the parts with wanted channels are touched
-//! and what a file claims is checked before it is believed.
+//! and what a file claims is checked before it is believed. A part or a channel that is not read is listed with the
+//! reason, and does not keep the others from being read.
 
+use super::bind::ChannelName;
+use super::chroma::Window;
 use super::error::{ErrorKind, ImageError};
 use super::file::{Channel, Samples};
+use super::header_exr::{self, RawHeader, RawPart};
+use super::part_names::{self, PartNames};
 use super::source::Input;
-use super::{Attributes, Metadata, guard};
+use super::{Attributes, Metadata, guard, sampled_blocks};
 use exr::math::Vec2;
-use exr::meta::MetaData;
-use exr::meta::attribute::{AttributeValue, SampleType};
+use exr::meta::attribute::{AttributeValue, Chromaticities, SampleType};
 use exr::meta::header::Header;
+use std::io::Read;
 
 /// The header of an EXR file, checked.
 pub(crate) struct Exr {
-    pub(super) meta: MetaData,
+    pub(super) parts: Vec<ExrPart>,
+    /// Are blocks marked with the number of their part?
+    pub(super) multipart: bool,
     /// The file's length in bytes.
     pub(super) length: u64,
     /// Where the tables of block offsets begin.
     pub(super) tables: u64,
     /// The least rectangle that holds all parts' data windows: left, top, width, height.
     pub window: (i64, i64, usize, usize),
+    /// How its channels are called.
+    names: Vec<ChannelName>,
+}
+
+/// A part of the file.
+pub(crate) struct ExrPart {
+    /// Its name; empty if it has none.
+    pub name: String,
+    /// The compression, where it is one that is not read.
+    pub unread_compression: Option<String>,
+    /// What it says of itself; `None` if that makes no sense.
+    pub header: Option<Header>,
+    /// Why it is not read, if it is not.
+    pub refusal: Option<Refusal>,
+    /// How many blocks it has.
+    pub chunk_count: u64,
+}
+
+/// Why a part is not read.
+pub(crate) struct Refusal {
+    /// A clause that follows "… is not read: ".
+    pub why: String,
+    /// The error for a file that has nothing else.
+    error: ImageError,
 }
 
 /// The first four bytes of every EXR file.
@@ -31,76 +62,92 @@ impl Exr {
     /// Reads and checks the header.
     pub fn open(input: &Input) -> Result<Exr, ImageError> {
         let name = input.name();
-        let (mut reader, length) = input.open()?;
-        let meta = guard::contain(|| MetaData::read_from_buffered(&mut reader, false))
-            .ok_or_else(|| ImageError::damaged(&name, "its header makes no sense"))?
-            .map_err(|e| explain(&name, e))?;
-        let tables = reader.stream_position().map_err(|e| ImageError::io("read", &name, &e))?;
-        if meta.headers.is_empty() {
-            return Err(ImageError::damaged(&name, "it has no parts"));
+        let (reader, length) = input.open()?;
+        let mut reader = Counting { reader, count: 0 };
+        let raw = RawHeader::read(&name, &mut reader, length)?;
+        let tables = reader.count;
+        let parts: Vec<ExrPart> = raw.parts.iter().map(|part| open_part(&name, &raw, part, length)).collect();
+        if parts.iter().all(|part| part.refusal.is_some()) {
+            return Err(nothing_to_read(&name, parts));
         }
-        if meta.headers.iter().all(|h| h.deep) {
-            return Err(deep(&name));
-        }
-        let mut blocks = 0u64;
-        for header in &meta.headers {
-            blocks = blocks.saturating_add(header.chunk_count as u64);
-            if header.deep {
-                continue;
-            }
-            let mut long_names = false;
-            header.validate(meta.headers.len() > 1, &mut long_names, false).map_err(|e| explain(&name, e))?;
-            let Vec2(width, height) = header.layer_size;
-            let bytes = header.channels.bytes_per_pixel as u64;
-            guard::check_size(&name, width as u64, height as u64, bytes, length)?;
-        }
+        let blocks = parts.iter().fold(0u64, |sum, part| sum.saturating_add(part.chunk_count));
         if blocks.saturating_mul(8) > length.saturating_sub(tables) {
             return Err(ImageError::damaged(&name, "it ends before its table of blocks"));
         }
-        let window = union(&name, &meta, length)?;
-        Ok(Exr { meta, length, tables, window })
+        let window = union(&name, &parts, length)?;
+        let names = channel_names(&raw, &parts);
+        Ok(Exr { parts, multipart: raw.multipart, length, tables, window, names })
     }
 
-    /// The parts' headers.
-    pub fn headers(&self) -> &[Header] {
-        &self.meta.headers
+    /// Where the first block may begin, behind the tables.
+    pub fn first_block(&self) -> u64 {
+        let blocks = self.parts.iter().fold(0u64, |sum, part| sum.saturating_add(part.chunk_count));
+        self.tables.saturating_add(blocks.saturating_mul(8))
     }
 
-    /// The channels of all parts that are not deep, under their full names: where the part's name
-    /// carries the layer, it is put before the channel's.
+    /// The headers of the parts that are read.
+    pub fn headers(&self) -> impl Iterator<Item = &Header> {
+        self.parts.iter().filter_map(ExrPart::readable)
+    }
+
+    /// How the channels are called, in the order of [`Exr::channels`].
+    pub fn names(&self) -> &[ChannelName] {
+        &self.names
+    }
+
+    /// The channels of all parts, with the reason for those that are not read.
     pub fn channels(&self) -> Vec<Channel> {
-        let several = self.meta.headers.len() > 1;
-        let mut list = Vec::new();
-        for (part, header) in self.meta.headers.iter().enumerate().filter(|(_, h)| !h.deep) {
-            let part_name = header.own_attributes.layer_name.as_ref().map(ToString::to_string);
-            for (index, channel) in header.channels.list.iter().enumerate() {
-                let own = channel.name.to_string();
-                let name = match &part_name {
-                    Some(layer) if several => full_name(layer, &own),
-                    _ => own,
-                };
-                let samples = match channel.sample_type {
-                    SampleType::F16 => Samples::Half,
-                    SampleType::F32 => Samples::Float,
-                    SampleType::U32 => Samples::Uint,
-                };
-                list.push(Channel { name, part, index, samples });
-            }
-        }
-        list
+        let of = |name: &ChannelName| {
+            let part = &self.parts[name.part];
+            let stored = part.header.as_ref().and_then(|h| h.channels.list.get(name.index));
+            let samples = match stored.map(|c| c.sample_type) {
+                Some(SampleType::F16) => Samples::Half,
+                Some(SampleType::F32) => Samples::Float,
+                Some(SampleType::U32) => Samples::Uint,
+                None => Samples::Unknown,
+            };
+            let sampling = stored.map_or([1, 1], |c| [c.sampling.x(), c.sampling.y()]);
+            let unread = match &part.refusal {
+                Some(refusal) => Some(refusal.why.clone()),
+                None if sampling != [1, 1] => {
+                    Some(format!("it is subsampled ({} x {})", sampling[0], sampling[1]))
+                }
+                None => None,
+            };
+            Channel { name: name.full.clone(), part: name.part, index: name.index, samples, unread, sampling }
+        };
+        self.names.iter().map(of).collect()
+    }
+
+    /// Where a part lies in the rectangle of all.
+    pub fn part_window(&self, part: usize) -> Option<Window> {
+        let header = self.parts[part].readable()?;
+        let position = header.own_attributes.layer_position;
+        Some(Window {
+            left: (i64::from(position.x()) - self.window.0) as usize,
+            top: (i64::from(position.y()) - self.window.1) as usize,
+            width: header.layer_size.width(),
+            height: header.layer_size.height(),
+        })
+    }
+
+    /// The primaries of a part, if the file has any.
+    pub fn chromaticities(&self, part: usize) -> Option<Chromaticities> {
+        self.parts[part].header.as_ref()?.shared_attributes.chromaticities
     }
 
     /// Display window, aspect, and the attributes that describe the picture and not the file.
     pub fn metadata(&self) -> Metadata {
-        let display = self.meta.headers[0].shared_attributes.display_window;
+        let Some(first) = self.headers().next() else { return Metadata::default() };
+        let display = first.shared_attributes.display_window;
         let (left, top, width, height) = self.window;
         let origin = [left - i64::from(display.position.x()), top - i64::from(display.position.y())];
         let size = [display.size.width(), display.size.height()];
         let same = origin == [0, 0] && size == [width, height];
         let mut list: Vec<(String, AttributeValue)> = Vec::new();
-        for header in &self.meta.headers {
+        for header in self.headers() {
             for (name, value) in header.all_named_attributes() {
-                let name: String = name.iter().map(|&b| char::from(b)).collect();
+                let name = header_exr::text(name);
                 let known = list.iter().any(|(n, _)| *n == name);
                 if !known && !STRUCTURE.contains(&name.as_str()) {
                     list.push((name, value));
@@ -113,9 +160,30 @@ impl Exr {
             origin: origin.map(|v| v as i32),
             resolution: (!same && size[0] > 0 && size[1] > 0).then_some(size),
             display_origin: [display.position.x(), display.position.y()],
-            pixel_aspect: self.meta.headers[0].shared_attributes.pixel_aspect,
+            pixel_aspect: first.shared_attributes.pixel_aspect,
             attributes: Attributes { list },
         }
+    }
+}
+
+impl ExrPart {
+    /// What it says of itself, if it is read.
+    pub fn readable(&self) -> Option<&Header> {
+        self.header.as_ref().filter(|_| self.refusal.is_none())
+    }
+}
+
+/// Reads, and knows how far it has come.
+struct Counting<R> {
+    reader: R,
+    count: u64,
+}
+
+impl<R: Read> Read for Counting<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let read = self.reader.read(bytes)?;
+        self.count += read as u64;
+        Ok(read)
     }
 }
 
@@ -143,31 +211,122 @@ const STRUCTURE: [&str; 20] = [
     "view",
 ];
 
-/// The full name of a channel in a part that has a name of its own.
-fn full_name(part: &str, channel: &str) -> String {
-    let (p, c) = (part.to_lowercase(), channel.to_lowercase());
-    let layer = c.rsplit_once('.').map_or("", |(layer, _)| layer);
-    let ends_with = |long: &str, short: &str| {
-        long == short || long.strip_suffix(short).is_some_and(|head| head.ends_with('.'))
+/// A part, and whether it can be read.
+fn open_part(name: &str, raw: &RawHeader, part: &RawPart, length: u64) -> ExrPart {
+    let understood = guard::contain(|| raw.understood(part));
+    let unread_compression = part.unread_compression();
+    let (header, refusal) = match understood {
+        Some(Ok(header)) => {
+            let refusal = refusal(name, raw, part, &header, length);
+            (Some(header), refusal)
+        }
+        Some(Err(e)) => {
+            let unknown =
+                part.unknown_samples().map(|c| format!("the samples of `{c}` are of an unknown type"));
+            (
+                None,
+                Some(
+                    unknown.map_or_else(|| Refusal::damaged(explain(name, e)), |why| Refusal::of(name, why)),
+                ),
+            )
+        }
+        None => (None, Some(Refusal::damaged(ImageError::damaged(name, "its header makes no sense")))),
     };
-    if part.is_empty() || c == p || c.starts_with(&format!("{p}.")) || ends_with(&c, &p) {
-        // The channel says it all already.
-        channel.to_string()
-    } else if !layer.is_empty() && ends_with(layer, &p) {
-        channel.to_string()
-    } else if !layer.is_empty() && ends_with(&p, layer) {
-        format!("{part}.{}", &channel[layer.len() + 1..])
-    } else if ends_with(&p, &c) {
-        part.to_string()
-    } else {
-        format!("{part}.{channel}")
+    let computed = header.as_ref().filter(|_| refusal.is_none()).map(|h| h.chunk_count as u64);
+    let chunk_count = computed.or(part.chunk_count()).unwrap_or(0);
+    ExrPart { name: part.text("name").unwrap_or_default(), unread_compression, header, refusal, chunk_count }
+}
+
+/// Why a part whose header makes sense is not read, if it is not.
+fn refusal(name: &str, raw: &RawHeader, part: &RawPart, header: &Header, length: u64) -> Option<Refusal> {
+    let unsupported = |why: String, hint: &str| {
+        let refusal = Refusal::of(name, why);
+        Some(Refusal { error: refusal.error.hint(hint), ..refusal })
+    };
+    if header.deep {
+        return Some(Refusal {
+            why: "it holds deep data (several samples a pixel)".into(),
+            error: deep(name),
+        });
+    }
+    if let Some(compression) = part.unread_compression() {
+        return unsupported(format!("it has {compression}"), "Save it with ZIP compression.");
+    }
+    if let Some(kind) = raw.unknown_type(part) {
+        return unsupported(format!("it is of an unknown type, `{kind}`"), "Save it as scan lines.");
+    }
+    if let Err(error) = header_exr::check(header, raw.multipart) {
+        return Some(Refusal::damaged(explain(name, error)));
+    }
+    let Vec2(width, height) = header.layer_size;
+    let bytes = header.channels.bytes_per_pixel as u64;
+    if let Err(error) = guard::check_size(name, width as u64, height as u64, bytes, length) {
+        return Some(Refusal { why: "it claims more pixels than the file can hold".into(), error });
+    }
+    match sampled_blocks::check(header) {
+        Ok(()) => None,
+        Err(why) => unsupported(why, "Convert it to full resolution first."),
     }
 }
 
-/// The least rectangle with all data windows in it.
-fn union(name: &str, meta: &MetaData, length: u64) -> Result<(i64, i64, usize, usize), ImageError> {
+impl Refusal {
+    /// A part that uses what is not supported.
+    fn of(name: &str, why: String) -> Refusal {
+        let error = ImageError::new(ErrorKind::Unsupported, format!("`{name}` is not read: {why}"));
+        Refusal { why, error }
+    }
+
+    fn damaged(error: ImageError) -> Refusal {
+        Refusal { why: "its header makes no sense".into(), error }
+    }
+}
+
+/// The error of a file no part of which is read.
+fn nothing_to_read(name: &str, parts: Vec<ExrPart>) -> ImageError {
+    let mut reasons = parts.into_iter().filter_map(|part| Some((part.name, part.refusal?)));
+    let Some((first_name, first)) = reasons.next() else {
+        return ImageError::damaged(name, "it has no parts");
+    };
+    let others: Vec<(String, Refusal)> = reasons.filter(|(_, other)| other.why != first.why).collect();
+    if others.is_empty() {
+        return first.error;
+    }
+    let message = format!("`{name}` has no part that is read");
+    let mut error = ImageError::new(ErrorKind::Unsupported, message);
+    for (part, refusal) in std::iter::once((first_name, first)).chain(others) {
+        error = error.hint(format!("`{part}`: {}.", refusal.why));
+    }
+    error
+}
+
+/// What the channels of all parts are called.
+fn channel_names(raw: &RawHeader, parts: &[ExrPart]) -> Vec<ChannelName> {
+    let names = raw.parts.iter().zip(parts).map(|(raw, part)| PartNames {
+        name: part.name.clone(),
+        view: raw.text("view"),
+        views: raw.texts("multiView"),
+        channels: match &part.header {
+            Some(header) => {
+                header.channels.list.iter().map(|c| header_exr::text(c.name.as_slice())).collect()
+            }
+            None => raw.channel_names(),
+        },
+    });
+    let mut list = part_names::name(&names.collect::<Vec<_>>());
+    for name in &mut list {
+        let part = &parts[name.part];
+        name.unread = part.refusal.is_some();
+        let stored = part.header.as_ref().and_then(|h| h.channels.list.get(name.index));
+        name.subsampled = stored.is_some_and(|c| c.sampling != Vec2(1, 1));
+    }
+    list
+}
+
+/// The least rectangle with the data windows of all parts that are read in it.
+fn union(name: &str, parts: &[ExrPart], length: u64) -> Result<(i64, i64, usize, usize), ImageError> {
     let mut whole: Option<[i64; 4]> = None;
-    for header in meta.headers.iter().filter(|h| !h.deep) {
+    let read = || parts.iter().filter_map(ExrPart::readable);
+    for header in read() {
         let Vec2(x, y) = header.own_attributes.layer_position;
         let Vec2(w, h) = header.layer_size;
         let one = [i64::from(x), i64::from(y), i64::from(x) + w as i64, i64::from(y) + h as i64];
@@ -183,8 +342,8 @@ fn union(name: &str, meta: &MetaData, length: u64) -> Result<(i64, i64, usize, u
     }
     // Each channel becomes numbers for the whole rectangle: of parts far from one another, or of one that lies about its width, an
     // image of mostly nothing.
-    let channels: u64 = meta.headers.iter().filter(|h| !h.deep).map(|h| h.channels.list.len() as u64).sum();
-    guard::check_size(name, width, height, 4 * channels, length).map_err(|e| match meta.headers.len() {
+    let channels: u64 = read().map(|h| h.channels.list.len() as u64).sum();
+    guard::check_size(name, width, height, 4 * channels, length).map_err(|e| match read().count() {
         1 => e,
         _ => e.hint("The rectangle around the data windows of all its parts is as large as that."),
     })?;
@@ -202,7 +361,6 @@ fn deep(name: &str) -> ImageError {
 pub(super) fn explain(name: &str, error: exr::error::Error) -> ImageError {
     match error {
         exr::error::Error::Io(e) => ImageError::io("read", name, &e),
-        exr::error::Error::NotSupported(what) if what.contains("deep") => deep(name),
         exr::error::Error::NotSupported(what) => {
             ImageError::new(ErrorKind::Unsupported, format!("`{name}` cannot be read: {what}"))
         }

@@ -1,7 +1,9 @@
 //! A file's variables a few rows at a time, so that an image need not be in memory as a whole.
 
+use super::bind::Candidate;
+use super::chroma::{self, LuminanceChroma};
 use super::error::{ErrorKind, ImageError};
-use super::file::{File, Source};
+use super::file::{Channel, File, Source};
 use super::scan_exr::{Scan, working_memory};
 use super::scan_raster::RasterScan;
 use super::source::Input;
@@ -16,8 +18,9 @@ use std::ops::Range;
 /// the first row is.
 pub struct Rows<'f> {
     file: &'f File,
-    /// Name, shape and channels of each variable.
-    variables: Vec<(String, Shape, Vec<usize>)>,
+    variables: Vec<Stored>,
+    /// How many rows about those that are asked for have to be known.
+    margin: usize,
     wanted: Vec<bool>,
     pixels: Decoded<'f>,
     /// A plane for each wanted channel of the file, of the rows that are in memory.
@@ -26,6 +29,15 @@ pub struct Rows<'f> {
     held: Range<usize>,
     /// The rows before this one have been decoded.
     done: usize,
+}
+
+/// A variable, and how it lies in the file.
+struct Stored {
+    name: String,
+    shape: Shape,
+    channels: Vec<usize>,
+    /// How its three channels become a colour, if they are luminance and chroma.
+    chroma: Option<LuminanceChroma>,
 }
 
 enum Decoded<'f> {
@@ -44,32 +56,56 @@ impl File {
         for name in names {
             let found = self.find(name)?;
             found.channels.iter().for_each(|&c| wanted[c] = true);
-            variables.push((name.to_string(), found.shape.clone(), found.channels.clone()));
+            variables.push(Stored {
+                name: name.to_string(),
+                shape: found.shape.clone(),
+                channels: found.channels.clone(),
+                chroma: self.luminance_chroma(found),
+            });
         }
         self.rows_of(variables, wanted)
     }
 
-    /// Prepares to read all channels, each as a scalar under its full name, whatever programs would call it.
+    /// How the channels of such a variable become a colour.
+    fn luminance_chroma(&self, candidate: &Candidate) -> Option<LuminanceChroma> {
+        let Source::Exr(exr) = &self.source else { return None };
+        let &[_, ry, by] = candidate.channels.get(..3).filter(|_| candidate.luminance_chroma)? else {
+            return None;
+        };
+        let part = self.channels[ry].part;
+        Some(LuminanceChroma {
+            weights: chroma::weights(exr.chromaticities(part)),
+            sampling: [ry, by].map(|c| self.channels[c].sampling),
+            window: exr.part_window(part)?,
+        })
+    }
+
+    /// Prepares to read all channels that can be read, each as a scalar under its full name, whatever programs would
+    /// call it.
     ///
     /// # Errors
     /// If the file cannot be opened.
     pub fn channel_rows(&self) -> Result<Rows<'_>, ImageError> {
-        let variables = self.channels.iter().enumerate();
-        let variables = variables.map(|(i, c)| (c.name.clone(), Shape::Scalar, vec![i])).collect();
-        self.rows_of(variables, vec![true; self.channels.len()])
+        let read: Vec<bool> = self.channels.iter().map(|c| c.unread.is_none()).collect();
+        let variables = self.channels.iter().enumerate().filter(|(i, _)| read[*i]);
+        let stored = |(i, c): (usize, &Channel)| Stored {
+            name: c.name.clone(),
+            shape: Shape::Scalar,
+            channels: vec![i],
+            chroma: None,
+        };
+        self.rows_of(variables.map(stored).collect(), read)
     }
 
-    fn rows_of(
-        &self,
-        variables: Vec<(String, Shape, Vec<usize>)>,
-        wanted: Vec<bool>,
-    ) -> Result<Rows<'_>, ImageError> {
+    fn rows_of(&self, variables: Vec<Stored>, wanted: Vec<bool>) -> Result<Rows<'_>, ImageError> {
         let pixels = match &self.source {
             Source::Exr(exr) => Decoded::Exr(Scan::new(exr, &self.input, &self.channels, &wanted)?),
             Source::Raster(raster) => Decoded::Raster(RasterScan::new(raster, &self.input)?),
         };
         let planes = vec![Vec::new(); wanted.len()];
-        Ok(Rows { file: self, variables, wanted, pixels, planes, held: 0..0, done: 0 })
+        let margin = variables.iter().filter_map(|v| v.chroma.as_ref()).map(LuminanceChroma::margin).max();
+        let margin = margin.unwrap_or(0);
+        Ok(Rows { file: self, variables, margin, wanted, pixels, planes, held: 0..0, done: 0 })
     }
 
     /// Can its rows be read one after another, without the whole picture in memory?
@@ -115,8 +151,9 @@ impl Rows<'_> {
     /// If the rows lie outside the image or begin too far up.
     pub fn read(&mut self, rows: Range<usize>) -> Result<Image<'static>, ImageError> {
         let [width, height] = self.file.size();
-        assert!(rows.start >= self.held.start && rows.end <= height, "rows are read from the top down");
-        let decoded = self.decode(&rows);
+        let outer = rows.start.saturating_sub(self.margin)..height.min(rows.end + self.margin);
+        assert!(outer.start >= self.held.start && rows.end <= height, "rows are read from the top down");
+        let decoded = self.decode(&outer);
         // Of a file that somebody writes to at the same time no error and no number means anything.
         self.file.unchanged()?;
         decoded?;
@@ -126,11 +163,19 @@ impl Rows<'_> {
             metadata.resolution = Some(about.resolution.unwrap_or([width, height]));
             metadata.origin[1] += rows.start as i32;
         }
+        let held = self.held.start;
+        let color = |v: &Stored| {
+            let chroma = v.chroma.as_ref()?;
+            let planes = std::array::from_fn(|i| &self.planes[v.channels[i]][..]);
+            Some(chroma.color(planes, width, held, rows.clone()))
+        };
+        let mut colors: Vec<Option<[Vec<f32>; 3]>> = self.variables.iter().map(color).collect();
         // The whole image takes the planes with it, each with its last user.
         let last = rows == (0..height);
         let mut uses = vec![0usize; self.planes.len()];
-        self.variables.iter().flat_map(|v| &v.2).for_each(|&c| uses[c] += 1);
-        let part = (rows.start - self.held.start) * width..(rows.end - self.held.start) * width;
+        let plain = self.variables.iter().filter(|v| v.chroma.is_none());
+        plain.flat_map(|v| &v.channels).for_each(|&c| uses[c] += 1);
+        let part = (rows.start - held) * width..(rows.end - held) * width;
         let mut plane = |c: usize| {
             uses[c] -= 1;
             match last && uses[c] == 0 {
@@ -141,10 +186,14 @@ impl Rows<'_> {
         let variables = self
             .variables
             .iter()
-            .map(|(name, shape, channels)| Variable {
-                name: name.clone(),
-                shape: shape.clone(),
-                planes: channels.iter().map(|&c| Cow::Owned(plane(c))).collect(),
+            .zip(&mut colors)
+            .map(|(stored, color)| Variable {
+                name: stored.name.clone(),
+                shape: stored.shape.clone(),
+                planes: match color.take() {
+                    Some(planes) => planes.into_iter().map(Cow::Owned).collect(),
+                    None => stored.channels.iter().map(|&c| Cow::Owned(plane(c))).collect(),
+                },
             })
             .collect();
         if last {
@@ -179,7 +228,7 @@ impl Rows<'_> {
             Decoded::Exr(scan) => scan.decode(new, |line| {
                 if line.y >= rows.start {
                     let start = (line.y - rows.start) * width + line.x;
-                    line.floats(&mut planes[line.channel][start..]);
+                    line.floats(&mut planes[line.channel][start..], line.step);
                 }
             })?,
             Decoded::Raster(scan) if !new.is_empty() && self.wanted.contains(&true) => {

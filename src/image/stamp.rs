@@ -47,7 +47,7 @@ impl File {
     fn stamp(&self) -> Result<Option<String>, ImageError> {
         match &self.source {
             Source::Exr(exr) => {
-                let named = exr.headers().iter().flat_map(|header| header.all_named_attributes());
+                let named = exr.headers().flat_map(|header| header.all_named_attributes());
                 let mut own = named.filter(|(name, _)| name.iter().copied().eq(NAME.bytes()));
                 Ok(own.find_map(|(_, value)| match value {
                     AttributeValue::Text(text) => Some(text.to_string()),
@@ -74,7 +74,7 @@ impl File {
     fn decode_all(&self) -> Result<(), ImageError> {
         match &self.source {
             Source::Exr(exr) => {
-                let wanted = vec![true; self.channels.len()];
+                let wanted: Vec<bool> = self.channels.iter().map(|c| c.unread.is_none()).collect();
                 Scan::new(exr, &self.input, &self.channels, &wanted)?.decode(0..self.size()[1], |_| {})
             }
             Source::Raster(raster) => {

@@ -4,6 +4,7 @@
 //! writer orders them by a randomly seeded hash. Its compressors are used as they are.
 
 use super::error::ImageError;
+use super::header_exr;
 use super::names::{identifier, last_field};
 use super::stamp::{NAME, SOFTWARE, SOFTWARE_ATTRIBUTE};
 use super::write::{Compression, WriteOptions, unwritable};
@@ -95,8 +96,8 @@ impl ExrWriter {
         let flags = if attribute_long || channels.iter().any(|c| long(&c.name)) { 0x400u32 } else { 0 };
         start.extend((2 | flags).to_le_bytes());
         for (attribute_name, value) in &attributes {
-            let text = Text::new_or_none(attribute_name).unwrap_or_default();
-            attribute::write(text.as_slice(), value, &mut start).map_err(|e| unwritable(name, e))?;
+            attribute::write(attribute_name.as_bytes(), value, &mut start)
+                .map_err(|e| unwritable(name, e))?;
         }
         start.push(0);
         let (name, offsets, pending) = (name.to_string(), Vec::new(), Vec::new());
@@ -231,11 +232,8 @@ fn header(
 ) -> Result<Header, ImageError> {
     let mut list: SmallVec<[ChannelDescription; 5]> = SmallVec::new();
     for channel in channels {
-        let Some(text) = Text::new_or_none(&channel.name) else {
-            return Err(unwritable(name, format!("EXR has no letters for `{}`", channel.name)));
-        };
         list.push(ChannelDescription {
-            name: text,
+            name: Text::from_slice_unchecked(channel.name.as_bytes()),
             sample_type: if channel.half { SampleType::F16 } else { SampleType::F32 },
             quantize_linearly: false,
             sampling: Vec2(1, 1),
@@ -295,7 +293,7 @@ fn attributes(image: &Image<'_>, header: &Header, crypto: &[Cryptomatte]) -> Vec
         let value = match name.strip_prefix("cryptomatte/").and_then(|rest| rest.split_once('/')) {
             Some((id, field)) => match crypto.iter().find(|c| c.id == id) {
                 Some(matte) if matte.written && field == "name" => {
-                    AttributeValue::Text(Text::new_or_none(&matte.layer).unwrap_or_default())
+                    AttributeValue::Text(Text::from_slice_unchecked(matte.layer.as_bytes()))
                 }
                 Some(matte) if matte.written => value.clone(),
                 _ => continue,
@@ -338,7 +336,11 @@ fn cryptomattes(image: &Image<'_>) -> Vec<Cryptomatte> {
     let of = |(name, value): &(String, AttributeValue)| {
         let id = name.strip_prefix("cryptomatte/")?.strip_suffix("/name")?.to_string();
         let AttributeValue::Text(text) = value else { return None };
-        let mut matte = Cryptomatte { id, layer: identifier(last_field(&text.to_string())), written: false };
+        let mut matte = Cryptomatte {
+            id,
+            layer: identifier(last_field(&header_exr::text(text.as_slice()))),
+            written: false,
+        };
         matte.written = image.variables.iter().any(|v| matte.has(owner(v)));
         Some(matte)
     };

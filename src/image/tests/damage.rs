@@ -25,6 +25,11 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
     let mut tiled = part(Some("N"), (13, 9), &["X", "Y", "Z"]);
     tiled.blocks = Blocks::Tiles(Vec2(4, 4));
     list.push(("a.exr", exr_bytes(vec![part(Some("rgb"), (13, 9), &["R", "G", "B"]), tiled], (13, 9))));
+    // Subsampled channels, and luminance and chroma.
+    for name in ["luminance_chroma_420_zip", "rgb_with_half_mask"] {
+        let path = format!("{}/tests/exr/{name}.exr", env!("CARGO_MANIFEST_DIR"));
+        list.push(("a.exr", std::fs::read(path).unwrap()));
+    }
     let planes =
         (0..4).map(|c| Cow::Owned((0..117).map(|i| (i * (c + 1) % 100) as f32 / 100.0).collect())).collect();
     let variables = vec![Variable { name: "color".into(), shape: Shape::Vector(4), planes }];

@@ -90,3 +90,60 @@ fn info_tells_ranges_and_names() {
     assert!(text.contains("L.Position.Y is not exact"), "{text}");
     assert!(text.contains("`surface` is 0 at 1 pixel"), "{text}");
 }
+
+/// The table of so many blocks, behind which the first of them begins.
+fn table(bytes: &[u8], blocks: usize) -> std::ops::Range<usize> {
+    let at = |place: usize| u64::from_le_bytes(bytes[place..place + 8].try_into().unwrap()) as usize;
+    let start = (8..).find(|&place| at(place) == place + 8 * blocks).unwrap();
+    start..start + 8 * blocks
+}
+
+#[test]
+fn blocks_are_found_without_their_table() {
+    for (blocks, count) in [(Blocks::ScanLines, 3), (Blocks::Tiles(Vec2(8, 8)), 25)] {
+        let mut one = part(None, (37, 33), &["R", "G", "B"]);
+        one.blocks = blocks;
+        let good = exr_bytes(vec![one], (37, 33));
+        let whole = open(good.clone()).load(&["color"]).unwrap();
+        let mut bytes = good;
+        let range = table(&bytes, count);
+        bytes[range].fill(0);
+        let found = open(bytes.clone()).load(&["color"]).unwrap();
+        assert_eq!(found.variables[0].planes, whole.variables[0].planes);
+        // A block that is not there is missed.
+        let cut = bytes.len() - 20;
+        let error = open(bytes[..cut].to_vec()).load(&["color"]).unwrap_err();
+        assert!(error.message.contains("missing"), "{error}");
+    }
+}
+
+#[test]
+fn of_one_part_the_flags_say_how_it_is_stored() {
+    let bytes = exr_bytes(vec![part(None, (2, 2), &["surface"])], (2, 2));
+    let replaced = |bytes: &[u8], from: &[u8], to: &[u8]| {
+        let at = bytes.windows(from.len()).position(|w| w == from).unwrap();
+        [&bytes[..at], to, &bytes[at + from.len()..]].concat()
+    };
+    let odd = replaced(&bytes, b"scanlineimage", b"deepscanlines");
+    assert_eq!(open(odd).load(&["surface"]).unwrap().variables[0].planes[0][..], [1.0, 1.001, 1.002, 1.003]);
+    let parts = vec![part(Some("a"), (2, 2), &["surface"]), part(Some("b"), (2, 2), &["Z"])];
+    let odd = replaced(&exr_bytes(parts, (2, 2)), b"scanlineimage", b"deepscanlines");
+    let file = open(odd);
+    assert!(file.load(&["depth"]).is_ok());
+    let error = file.find("surface").err().unwrap();
+    assert!(error.hints[0].contains("it is of an unknown type, `deepscanlines`"), "{:?}", error.hints);
+    let text = info(&file).unwrap().to_string();
+    assert!(text.contains("note: The part `a` is not read: it is of an unknown type"), "{text}");
+}
+
+#[test]
+fn a_damaged_part_does_not_hide_the_others() {
+    let parts =
+        vec![part(Some("rgb"), (5, 40), &["R", "G", "B"]), part(Some("N"), (5, 40), &["X", "Y", "Z"])];
+    let bytes = exr_bytes(parts, (5, 40));
+    let file = open(bytes[..bytes.len() - 30].to_vec());
+    assert!(file.load(&["color"]).is_ok());
+    assert_eq!(file.load(&["normal"]).unwrap_err().kind, ErrorKind::Damaged);
+    let text = info(&file).unwrap().to_string();
+    assert!(text.contains("note: The part `N` cannot be read: ") && text.contains("rgb.R"), "{text}");
+}

@@ -299,7 +299,9 @@ fn any_suffix_and_any_case() {
 fn a_bare_z_is_depth_and_a_layers_z_is_not() {
     check(&["Z"], &[("depth", &["Z"])]);
     check(&["L.Depth.Z"], &[("depth", &["L.Depth.Z"])]);
-    check(&["L.Mist.Z"], &[("Mist", &["L.Mist.Z"]), ("depth", &["L.Mist.Z"])]);
+    // Mist goes from 0 to 1, and is no distance.
+    check(&["L.Mist.Z"], &[("Mist", &["L.Mist.Z"])]);
+    none(&["L.Mist.Z"], "depth");
     check(&["L.Depth.Z", "L.Mist.Z"], &[("depth", &["L.Depth.Z"])]);
     check(&["m.R", "m.G", "m.B", "m.Z"], &[("depth", &["m.Z"])]);
     none(&["ViewLayer.Foo.Z"], "depth");
