@@ -294,6 +294,11 @@ impl Program {
         eval::default_outputs(&self.resolved)
     }
 
+    /// Whether a run passes on the image's `alpha`, because the program gives a colour and no alpha.
+    pub fn keeps_alpha(&self) -> bool {
+        eval::keeps_alpha(&self.resolved)
+    }
+
     /// Takes over the images for look-ups that another program has read already, where both name the same. Their files
     /// are not looked at again.
     pub fn share_textures(&self, other: &Program) {

@@ -4,6 +4,8 @@ use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "cli/alpha.rs"]
+mod alpha;
 #[path = "cli/bands.rs"]
 mod bands;
 #[path = "cli/camera.rs"]

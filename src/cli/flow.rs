@@ -311,7 +311,7 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
     let inputs = Inputs::open(&args.images.input, &args.images.map, false, frame.number)?;
     let renderer = scene(&args.images)?.map(|seen| view.renderer(&seen, frame.number, false)).transpose()?;
     let wanted = ["surface", "point", "depth"].map(String::from);
-    let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
+    let mut reader = inputs.reader(renderer.as_ref(), &wanted, false)?;
     let rows = 0..reader.about().height;
     let image = reader.read(rows)?;
     drop(reader);

@@ -281,11 +281,13 @@ impl Inputs {
         self.list.iter().flat_map(of).collect()
     }
 
-    /// Prepares to read what `wanted` names and the files have; a scene comes first.
+    /// Prepares to read what `wanted` names and the files have; a scene comes first. `alpha`: and the alpha of the files,
+    /// if there is one.
     pub fn reader<'i>(
         &'i self,
         scene: Option<impl Into<Finder<'i>>>,
         wanted: &[String],
+        alpha: bool,
     ) -> Result<Reader<'i>, Failure> {
         let scene: Option<Finder<'i>> = scene.map(Into::into);
         let mut taken: Vec<&str> = Vec::new();
@@ -311,6 +313,11 @@ impl Inputs {
                     Err(e) if e.kind == ErrorKind::Missing => {}
                     Err(e) => return Err(e.into()),
                 }
+            }
+            // What only goes with the colour is not worth an error.
+            let alpha = alpha && name.is_none() && scene.is_none() && !taken.contains(&"alpha");
+            if alpha && !wanted.iter().any(|n| n == "alpha") && file.find("alpha").is_ok() {
+                names.push(("alpha", "alpha"));
             }
             let own: Vec<&str> = names.iter().map(|(own, _)| *own).collect();
             reader.files.push((file.rows(&own)?, names.iter().map(|(_, full)| full.to_string()).collect()));

@@ -74,7 +74,7 @@ fn load(args: &ReplArgs, frame: Frame) -> Result<(Image<'static>, Inputs), Failu
     let seen = scene(&args.images)?;
     let scene = seen.map(|seen| args.images.view.renderer(&seen, frame.number, false)).transpose()?;
     let names = inputs.variables();
-    let mut reader = inputs.reader(scene.as_ref(), &names)?;
+    let mut reader = inputs.reader(scene.as_ref(), &names, false)?;
     let height = reader.about().height;
     let image = reader.read(0..height)?;
     drop(reader);

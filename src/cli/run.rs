@@ -219,7 +219,9 @@ impl Job<'_> {
             set,
             pixelsize: args.images.pixelsize,
             spaces,
-            outputs: plan.vars.clone(),
+            // Scenes have no alpha that would be the picture's.
+            outputs: plan.vars.clone().or_else(|| input.is_seen().then(|| plan.program.default_outputs())),
+            keep_alpha: false,
             threads: args.threads,
             batch: args.batch,
             every: 1,

@@ -100,7 +100,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let renderer =
         scene.as_ref().map(|seen| args.images.view.renderer(seen, frame.number, false)).transpose()?;
     let (wanted, around) = reading(&program, &[], args.images.pixelsize.is_some(), false);
-    let mut reader = inputs.reader(renderer.as_ref(), &wanted)?;
+    let mut reader = inputs.reader(renderer.as_ref(), &wanted, true)?;
     let [column, row] = place(args.pixel, reader.about())?;
     let variables: Vec<String> = reader.names().map(String::from).collect();
     let own: Vec<String> = reader.names().filter(|n| !n.contains('.')).map(str::to_string).collect();

@@ -41,7 +41,7 @@ pub use bind::Missing;
 pub use frame::{ParamInfo, params};
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
 pub use limits::Limits;
-pub use output::default_names as default_outputs;
+pub use output::{default_names as default_outputs, keeps_alpha};
 pub use pixel::{eval_pixel, trace};
 pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};

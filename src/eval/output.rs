@@ -2,8 +2,9 @@
 
 use super::machine::Machine;
 use super::pixels::Pixels;
+use super::run::Options;
 use crate::diagnostic::Diagnostic;
-use crate::image::Variable;
+use crate::image::{Image, Variable};
 use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::Resolved;
@@ -22,6 +23,8 @@ pub(super) struct Output<'r> {
     pub shape: Shape,
     /// Where a pixel is, in the display window, that has this shape.
     pub seen: Option<[i32; 2]>,
+    /// Is it the image's alpha, which goes with a colour that has none of its own?
+    pub kept: bool,
 }
 
 /// A pixel's value does not fit the planes.
@@ -152,6 +155,23 @@ pub fn default_names(program: &Resolved) -> Vec<String> {
         return std::iter::once("color".to_string()).chain(alpha).collect();
     }
     assigned.into_iter().map(String::from).collect()
+}
+
+/// Does the program give a colour and no alpha, so that the image's alpha is kept?
+pub fn keeps_alpha(program: &Resolved) -> bool {
+    let own = |name: &str| program.globals.iter().find(|g| g.name == name && !g.library);
+    let alpha = own("alpha").is_some_and(|g| g.assigned.is_some() || g.framed.is_some());
+    !alpha && (program.by_normal.is_some() || program.assigned().any(|name| name == "color"))
+}
+
+/// The image's alpha, if a run keeps it.
+pub(super) fn kept_alpha<'i>(
+    program: &Resolved,
+    image: &'i Image<'i>,
+    options: &Options<'_>,
+) -> Option<&'i Variable<'i>> {
+    let kept = (options.outputs.is_none() || options.keep_alpha) && keeps_alpha(program);
+    image.variable("alpha").filter(|alpha| kept && alpha.shape.is_scalar())
 }
 
 /// The error of an output that has `shape` at a pixel, and what does not go with it where it was seen before.

@@ -2,6 +2,7 @@
 
 use super::bind::{bind, bind_traced};
 use super::machine::Machine;
+use super::output;
 use super::pixels::Pixels;
 use super::print::Prints;
 use super::run::{Failure, Options};
@@ -10,6 +11,7 @@ use super::tracer::Tracer;
 use super::worker::Worker;
 use crate::image::Image;
 use crate::resolve::Resolved;
+use crate::shape::Shape;
 use crate::value::PixelValue;
 
 /// Every variable that a program assigns, with its value.
@@ -63,7 +65,11 @@ pub fn trace(
     bound.sound(program)?;
     let tracer = worker.machine.tracer.take();
     let (events, births) = tracer.map_or_else(Default::default, |tracer| tracer.finish());
-    let values = if error.is_none() { values(&worker.machine) } else { Vec::new() };
+    let mut values = if error.is_none() { values(&worker.machine) } else { Vec::new() };
+    let colored = values.iter().any(|(name, value)| name == "color" && *value.shape() != Shape::Vector(4));
+    if let Some(alpha) = output::kept_alpha(program, image, &options).filter(|_| colored) {
+        values.push((alpha.name.clone(), alpha.planes[0][pixel].into()));
+    }
     Ok(Trace { pixel: bound.position(pixel), events, births, values, error })
 }
 

@@ -67,8 +67,11 @@ pub struct Options<'o> {
     /// Where the image comes from something that can be asked again: what it is at the places of a sample. Other
     /// variables are continued from the pixel's middle by their derivatives.
     pub resample: Option<&'o Resample<'o>>,
-    /// The variables to write; `None`: `color` (and `alpha`), or all that a program without colour assigns.
+    /// The variables to write; `None`: `color` (and `alpha`), or all that a program without colour assigns. Where the
+    /// program gives a colour of three components and no alpha, the image's `alpha` is passed on.
     pub outputs: Option<Vec<String>>,
+    /// Keep the image's `alpha` beside a `color` without one also if `outputs` are named. If they are not, it is kept.
+    pub keep_alpha: bool,
     /// Threads; `None`: as many as rayon's current pool has.
     pub threads: Option<usize>,
     /// Lanes of a batch; `None`: [`super::BATCH`]. The result is the same for all.
@@ -198,7 +201,15 @@ impl<'r> Job<'r> {
                 (None, Some(input)) => input.shape.clone(),
                 _ => Output::written(&name, &Shape::Scalar),
             };
-            outputs.push(Output { name, slot, input: input.filter(|_| slot.is_none()), shape, seen: None });
+            let input = input.filter(|_| slot.is_none());
+            outputs.push(Output { name, slot, input, shape, seen: None, kept: false });
+        }
+        if let Some(alpha) = output::kept_alpha(program, image, options)
+            && outputs.iter().any(|o| o.name == "color")
+            && outputs.iter().all(|o| o.name != "alpha")
+        {
+            let (name, shape) = (alpha.name.clone(), alpha.shape.clone());
+            outputs.push(Output { name, slot: None, input: Some(alpha), shape, seen: None, kept: true });
         }
         if outputs.is_empty() && errors.is_empty() {
             let error = Diagnostic::bare("output", "the program gives nothing to write").hint(
@@ -447,10 +458,14 @@ impl<'r> Job<'r> {
     fn finish(&self, planes: Vec<Vec<Vec<f32>>>) -> Image<'static> {
         let grid = self.grid();
         let [width, height] = grid.size();
+        // A colour of four components has brought its own alpha.
+        let opaque = |o: &Output<'_>| o.name != "color" || o.shape != Shape::Vector(4);
+        let alone = self.outputs.iter().all(opaque);
         let variables = self
             .outputs
             .iter()
             .zip(planes)
+            .filter(|(output, _)| alone || !output.kept)
             .map(|(output, planes)| {
                 let taken = |plane: &[f32]| (0..grid.count()).map(|i| plane[grid.pixel(i)]).collect();
                 let planes = match output.input {

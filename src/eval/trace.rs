@@ -29,7 +29,8 @@ pub struct Trace {
     pub events: Vec<Event>,
     /// Where the first NaN and the first infinity came up, at most one of each.
     pub births: Vec<Birth>,
-    /// The variables that the program assigns, with what they held in the end.
+    /// The variables that the program assigns, with what they held in the end, and the image's `alpha` where it goes
+    /// with a colour that has none.
     pub values: Vec<(String, PixelValue)>,
     /// What ended the run before its end.
     pub error: Option<Diagnostic>,

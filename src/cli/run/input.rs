@@ -52,7 +52,7 @@ impl FrameInput {
             Some(seen) => Some(Found::Scene(view.renderer(seen, frame.number, args.quiet)?.into())),
             None => solid,
         };
-        let mut reader = inputs.reader(scene.as_ref().map(Found::finder), &plan.wanted)?;
+        let mut reader = inputs.reader(scene.as_ref().map(Found::finder), &plan.wanted, plan.keep_alpha)?;
         let about = reader.about().clone();
         let own: Vec<&str> = reader.names().filter(|n| !n.contains('.')).collect();
         let names = own.join(", ");
@@ -153,7 +153,11 @@ impl FrameInput {
     pub fn reader<'a>(&'a self, plan: &Plan) -> Result<BandReader<'a>, Failure> {
         let reader = match &self.whole {
             Some(_) => None,
-            None => Some(self.inputs.reader(self.scene.as_ref().map(Found::finder), &plan.wanted)?),
+            None => Some(self.inputs.reader(
+                self.scene.as_ref().map(Found::finder),
+                &plan.wanted,
+                plan.keep_alpha,
+            )?),
         };
         Ok(BandReader { input: self, reader })
     }

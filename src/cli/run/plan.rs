@@ -42,6 +42,8 @@ pub(in crate::cli) struct Plan {
     pub shown: Option<String>,
     /// The variables to read.
     pub wanted: Vec<String>,
+    /// Is the input's alpha written beside a colour that has none?
+    pub keep_alpha: bool,
     /// How many pixels about a region the program needs to know.
     pub around: usize,
     /// The scene or mesh that is looked at.
@@ -121,6 +123,7 @@ impl Plan {
             reading(&program, vars.as_deref().unwrap_or_default(), args.images.pixelsize.is_some(), sampled);
         let frame_notes = chosen.notes(&program);
         let plan = Plan {
+            keep_alpha: vars.is_none() && program.keeps_alpha(),
             wanted,
             around,
             scene: if args.solid.iso.is_some() { no_other(&args.images)? } else { scene(&args.images)? },

@@ -70,7 +70,8 @@ impl Drawing {
         let unset = RunOptions { set: Vec::new(), ..options.clone() };
         let params = program.params(&picture.image, &unset)?;
         self.tell(session, job, &program, params);
-        let options = RunOptions { outputs: outputs(&program, &picture, &job.also), ..options };
+        let options =
+            RunOptions { outputs: outputs(&program, &picture, &job.also), keep_alpha: true, ..options };
         let size = [picture.image.width, picture.image.height];
         let started = Instant::now();
         if self.took.is_none_or(|took| took > SOON) && size[0].min(size[1]) > 8 * COARSE {

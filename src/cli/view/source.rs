@@ -143,7 +143,7 @@ impl Pictures {
         let inputs = Arc::new(Inputs::open_by(&self.input, &self.map, self.raw, frame.number, |path| {
             self.pipes.get(path).map_or_else(|| Input::from_argument(path), |pipe| Ok(pipe.clone()))
         })?);
-        let mut reader = inputs.reader(self.scene.as_ref(), &wanted)?;
+        let mut reader = inputs.reader(self.scene.as_ref(), &wanted, true)?;
         let height = reader.about().height;
         let mut image = reader.read(0..height)?;
         if image.width == 0 || image.height == 0 {
