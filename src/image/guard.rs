@@ -49,6 +49,11 @@ const TILES: u64 = 4 << 30;
 /// And so many for each byte of the file.
 const TILES_RATIO: u64 = 1000;
 
+/// The memory that a texture may take, all levels together, by the length of its file.
+pub(crate) fn texture_memory(file_bytes: u64) -> u64 {
+    WHOLE.max(file_bytes.saturating_mul(WHOLE_RATIO))
+}
+
 /// Checks how much a texture that does not fit in memory takes in a temporary file.
 pub(crate) fn check_tiles(name: &str, tile_bytes: u64, file_bytes: u64) -> Result<(), ImageError> {
     match tile_bytes <= TILES.max(file_bytes.saturating_mul(TILES_RATIO)) {

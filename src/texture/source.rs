@@ -190,11 +190,13 @@ impl Source {
         let shape = opened.wanted.shape.clone();
         let cube = sphere::sides(w, h).filter(|_| self.layout == Layout::Cube);
         let (size, sides) = cube.map_or(([w, h], 1), |(n, _)| ([n, n], 6));
-        let whole = bytes([size[0], sides * size[1]], shape.cells(), self.needs) <= most;
+        let length = opened.file_bytes()?;
+        // What a short file claims to be gets no more memory than it deserves, but tiles.
+        let memory = most.min(guard::texture_memory(length));
+        let whole = bytes([size[0], sides * size[1]], shape.cells(), self.needs) <= memory;
         let store = match whole {
             true => None,
             false => {
-                let length = opened.file_bytes()?;
                 guard::check_tiles(
                     &self.name,
                     bytes([size[0], sides * size[1]], shape.cells(), self.needs),
@@ -205,7 +207,8 @@ impl Source {
         };
         let mut growing = Growing::new(size, sides, shape.cells(), self.needs, store.as_ref())?;
         // The sides of a cube may stand beside each other: what is not in memory then is decoded for each of them.
-        let mut texels = Texels::new(opened, whole && cube.is_some());
+        // Formats that cannot go back would begin again for each.
+        let mut texels = Texels::new(opened, cube.is_some() && (whole || !opened.seeks()));
         let mut row = Vec::new();
         match cube {
             Some((n, seats)) => {
@@ -241,6 +244,14 @@ pub(super) enum Pixels<'a> {
 }
 
 impl Opened<'_> {
+    /// Whether rows can be decoded without those above them.
+    fn seeks(&self) -> bool {
+        match &self.pixels {
+            Pixels::File(file) => file.seeks(),
+            Pixels::Memory(_) => true,
+        }
+    }
+
     /// The length of its file; of an image in memory, no file lies about it.
     fn file_bytes(&self) -> Result<u64, ImageError> {
         match &self.pixels {

@@ -19,12 +19,11 @@ pub(super) struct Texels<'a> {
 }
 
 impl<'a> Texels<'a> {
-    /// The texels of this image; `whole`: all of them are decoded at once.
-    pub fn new(opened: &'a Opened<'a>, whole: bool) -> Texels<'a> {
+    /// The texels of this image; `at_once`: all of them are decoded together.
+    pub fn new(opened: &'a Opened<'a>, at_once: bool) -> Texels<'a> {
         let (held, band) = match &opened.pixels {
             Pixels::Memory(image) => (Some((Cow::Borrowed(&***image), 0)), image.height),
-            // Some formats know no rows before the last.
-            Pixels::File(file) if whole || !file.seeks() => (None, file.size()[1]),
+            Pixels::File(file) if at_once => (None, file.size()[1]),
             Pixels::File(_) => (None, BAND),
         };
         Texels { opened, rows: None, held, band }

@@ -3,6 +3,7 @@
 use super::super::failure::{Failure, why};
 use super::super::run::{Plan, RunArgs};
 use super::super::source;
+use crate::files::{self, Folders};
 use crate::host::absolute;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,6 +17,10 @@ pub(super) struct Files {
     pub program: Option<String>,
     /// From the place in the bundle's folder to the file.
     copies: BTreeMap<PathBuf, PathBuf>,
+    /// The program's own file, which may be a link to anywhere.
+    own: Option<PathBuf>,
+    /// Where all others lie.
+    readable: Folders,
     /// How many folders of `--path` there are.
     folders: usize,
     /// The images and the mesh that the job runs on, which are not copied.
@@ -53,7 +58,10 @@ impl Files {
         }
         let program = own.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         let inputs = run.images.paths().map(PathBuf::from).collect();
-        Ok(Files { program, copies, folders: run.program.path.len(), inputs })
+        let path = &run.program.path;
+        let readable = Folders::new(std::iter::once(beside).chain(path.iter().map(PathBuf::as_path)));
+        let own = own.map(Path::to_path_buf);
+        Ok(Files { program, copies, own, readable, folders: path.len(), inputs })
     }
 
     /// Refuses sources that lie in the bundle, which would be replaced by their own copies, or removed. Pictures of its
@@ -96,7 +104,11 @@ impl Files {
         for (place, from) in &self.copies {
             let to = folder.join(place);
             std::fs::create_dir_all(to.parent().unwrap_or(&folder)).map_err(|e| fail("write", place, &e))?;
-            let mut source = std::fs::File::open(from).map_err(|e| fail("read", from, &e))?;
+            let source = match self.own.as_ref() == Some(from) {
+                true => files::given(from),
+                false => self.readable.open(from),
+            };
+            let mut source = source.map_err(|e| fail("read", from, &e))?;
             let copied = std::fs::File::create(&to).and_then(|mut to| std::io::copy(&mut source, &mut to));
             copied.map_err(|e| fail("write a copy of", from, &e))?;
         }

@@ -261,6 +261,39 @@ mod tests {
     }
 
     #[test]
+    fn whatever_comes_later_messages_are_read() {
+        let parts: [&[u8]; 16] = [
+            b"Content-Length: ",
+            b"content-length:",
+            b"Content-Le",
+            b"7",
+            b"900",
+            b"99999999999",
+            b"-",
+            b"\r\n",
+            b"\n",
+            b"\r\n\r\n",
+            b"{",
+            b"}",
+            b"\"",
+            b"\xff\0",
+            b"Content-Type: x",
+            NOTE.as_bytes(),
+        ];
+        let mut random = 1_u64;
+        for round in 0..500 {
+            let mut bytes = Vec::new();
+            for _ in 0..1 + round % 20 {
+                random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                bytes.extend(parts[(random >> 60) as usize]);
+            }
+            // A length that is believable may take up to 1000 bytes before it turns out to be wrong.
+            let (messages, codes) = all(&[&bytes[..], &framed(NOTE).repeat(40)].concat());
+            assert!(messages >= 20, "{messages} messages, {codes:?}: {:?}", String::from_utf8_lossy(&bytes));
+        }
+    }
+
+    #[test]
     fn headers_as_other_editors_write_them() {
         let length = NOTE.len();
         for head in [
