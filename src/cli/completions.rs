@@ -1,8 +1,13 @@
-//! `pse completions`: what a shell needs to complete the arguments.
+//! `pse completions` and `pse man`: what shells and `man` need to know about the arguments.
 
 use super::failure::{Failure, print};
-use clap::{Args, CommandFactory};
+use crate::image::write_file;
+use crate::{reference, scene};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
+use std::fs;
+use std::path::PathBuf;
 
 /// Which shell.
 #[derive(Debug, Args)]
@@ -16,10 +21,66 @@ pub(super) struct CompletionsArgs {
     shell: Shell,
 }
 
+/// Where manual pages go.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  pse man | man -l -\n  pse man -o ~/.local/share/man/man1")]
+pub(super) struct ManArgs {
+    /// Write a page for each command into this folder, instead of pse(1) to standard output
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// The arguments, with the names that a shell can offer: scenes and the names that `pse doc` explains. Running checks
+/// these names itself, with better messages than a list of values.
+fn command() -> Command {
+    let scenes: Vec<String> = scene::scenes().iter().map(|s| s.name.to_string()).collect();
+    let mut functions: Vec<String> = reference::entries().into_iter().map(|e| e.name).collect();
+    functions.sort_unstable();
+    functions.dedup();
+    super::Cli::command().mut_subcommands(|mut command| {
+        let names: Vec<String> = command.get_arguments().map(|a| a.get_id().to_string()).collect();
+        if names.iter().any(|n| n == "scene") {
+            command = command.mut_arg("scene", |a| a.value_parser(PossibleValuesParser::new(scenes.clone())));
+        }
+        match command.get_name() {
+            "scene" => command.mut_arg("name", |a| a.value_parser(PossibleValuesParser::new(scenes.clone()))),
+            "doc" => {
+                command.mut_arg("name", |a| a.value_parser(PossibleValuesParser::new(functions.clone())))
+            }
+            _ => command,
+        }
+    })
+}
+
 /// Prints the script.
 pub(super) fn completions(args: &CompletionsArgs) -> Result<(), Failure> {
     // To memory first: clap_complete panics where a pipe closes early.
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut super::Cli::command(), "pse", &mut script);
+    clap_complete::generate(args.shell, &mut command(), "pse", &mut script);
     print(&String::from_utf8_lossy(&script))
+}
+
+/// Prints the page of the whole command, or writes a page for each command.
+pub(super) fn man(args: &ManArgs) -> Result<(), Failure> {
+    let command = super::Cli::command();
+    let Some(folder) = &args.output else {
+        return print(&String::from_utf8_lossy(&page(command, "pse")?));
+    };
+    fs::create_dir_all(folder)
+        .map_err(|e| Failure::plain(format!("cannot create the folder {}: {e}", folder.display())))?;
+    let subcommands: Vec<Command> = command.get_subcommands().cloned().collect();
+    for (name, command) in std::iter::once(("pse".to_string(), command))
+        .chain(subcommands.into_iter().map(|c| (format!("pse-{}", c.get_name()), c)))
+    {
+        write_file(&folder.join(format!("{name}.1")), &page(command, &name)?)?;
+    }
+    Ok(())
+}
+
+fn page(command: Command, name: &str) -> Result<Vec<u8>, Failure> {
+    let mut page = Vec::new();
+    clap_mangen::Man::new(command.display_name(name).name(name.to_string()))
+        .render(&mut page)
+        .map_err(|e| Failure::plain(format!("cannot write the page {name}: {e}")))?;
+    Ok(page)
 }

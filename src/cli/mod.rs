@@ -102,6 +102,8 @@ enum Command {
     Lsp(lsp::LspArgs),
     /// Print the completions for a shell
     Completions(completions::CompletionsArgs),
+    /// Print the manual page, or write a page for each command
+    Man(completions::ManArgs),
 }
 
 /// Does what the arguments say, and tells how it ended.
@@ -128,6 +130,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Some(Command::Ast(args)) => ast::ast(&args),
         Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Completions(args)) => completions::completions(&args),
+        Some(Command::Man(args)) => completions::man(&args),
         None => failure::print(&Cli::command().render_help().to_string()),
     };
     match outcome {

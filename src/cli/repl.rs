@@ -4,6 +4,7 @@ mod commands;
 mod line;
 mod picture;
 mod session;
+mod terminal;
 
 use super::failure::{Failure, print, warn};
 use super::frames::{Chosen, Frame, FrameArg};

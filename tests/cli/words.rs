@@ -22,6 +22,7 @@ fn help_has_examples() {
         "doc",
         "ast",
         "completions",
+        "man",
     ] {
         assert!(help.contains(&format!("  {command} ")), "{command}");
         let own = f.good(&format!("help {command}")).text;
@@ -102,9 +103,25 @@ fn trees() {
 fn completions() {
     let f = Folder::new();
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert!(f.good(&format!("completions {shell}")).text.contains("frames"), "{shell}");
+        let script = f.good(&format!("completions {shell}")).text;
+        assert!(script.contains("frames"), "{shell}");
+        // Shells that take values from the script offer scenes and functions.
+        if ["bash", "zsh", "fish"].contains(&shell) {
+            assert!(script.contains("donut") && script.contains("smoothstep"), "{shell}");
+        }
     }
     f.bad(2, "completions csh", &["bash"]);
+}
+
+#[test]
+fn manual_pages() {
+    let f = Folder::new();
+    let page = f.good("man").text;
+    assert!(page.contains(".TH pse 1") && page.contains("pse\\-run(1)"), "{page}");
+    f.good("man -o pages");
+    let run = String::from_utf8(f.read("pages/pse-run.1")).expect("UTF-8");
+    assert!(run.contains(".TH pse-run 1") && run.contains("\\fB\\-\\-frames\\fR"), "{run}");
+    assert!(f.path("pages/pse.1").exists());
 }
 
 /// What is known of the camera is known to `check` too.

@@ -1,10 +1,11 @@
-//! A picture in the terminal: by its own means where it has some (kitty, iTerm, sixel), else in half blocks.
+//! Shows a variable as a picture in the terminal.
 
 use super::super::failure::Failure;
 use super::super::output;
+use super::terminal::Protocol;
 use crate::image::{Image, color};
 use crate::shape::Shape;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 
 /// Columns of the terminal that a picture takes, where it has that many.
 const COLUMNS: u32 = 80;
@@ -25,26 +26,16 @@ pub(super) fn show(image: &Image<'_>, name: &str) -> Result<String, Failure> {
         let i = (y * width + x) as usize;
         image::Rgb(planes.map(|p| color::encode8(p[i])))
     });
-    // Two pixels stand in a line, one above the other.
     let columns = columns().min(COLUMNS).min(width.max(1));
-    // A terminal that is asked what it can do may not answer at all: its name has to tell.
-    let is = |name: &str, words: &[&str]| {
-        std::env::var(name).is_ok_and(|value| words.iter().any(|word| value.contains(word)))
-    };
-    let config = viuer::Config {
-        absolute_offset: false,
-        width: Some(columns),
-        use_kitty: is("TERM", &["kitty", "ghostty"]) || std::env::var_os("KITTY_WINDOW_ID").is_some(),
-        use_iterm: is("TERM_PROGRAM", &["iTerm", "WezTerm", "mintty", "rio"]),
-        use_sixel: is("TERM", &["sixel", "foot", "mlterm", "contour"]),
-        ..viuer::Config::default()
-    };
-    viuer::print(&image::DynamicImage::ImageRgb8(shown), &config)
+    let mut out = io::stdout().lock();
+    Protocol::detect(|name| std::env::var(name).ok())
+        .write(&shown, columns, &mut out)
+        .and_then(|()| out.flush())
         .map_err(|e| Failure::plain(format!("the terminal cannot show it: {e}")))?;
     Ok(String::new())
 }
 
-/// Columns of the terminal.
+/// Columns of the terminal; 80 where it has no size.
 fn columns() -> u32 {
-    u32::from(viuer::terminal_size().0)
+    terminal_size::terminal_size().map_or(COLUMNS, |(width, _)| u32::from(width.0))
 }
