@@ -3,7 +3,7 @@
 use super::failure::{Failure, warn};
 use super::frames::{self, Chosen, FrameArg, FrameSource, Frames};
 use super::interrupt::{self, CANCEL};
-use super::model;
+use super::model::{self, MIDDLE, Recenter};
 use super::output;
 use super::prints::Shown;
 use super::progress::{Meter, Style};
@@ -13,7 +13,7 @@ use crate::image::check_target;
 use crate::mesh::{Deform, Format};
 use crate::program::RunOptions;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which mesh, what to do with it, and where to.
 #[derive(Debug, Args)]
@@ -44,6 +44,13 @@ pub(super) struct DeformArgs {
     /// How fine a detail of noise may be, instead of the mean length of the edges
     #[arg(long, value_name = "SIZE")]
     pixelsize: Option<f32>,
+    /// Let the program see points relative to the mesh's middle, or to the point given; they are put back from there. For meshes
+    /// far from the origin, where `point` has few digits
+    #[arg(
+        long, value_name = "X,Y,Z", value_parser = Recenter::parse,
+        num_args = 0..=1, require_equals = true, default_missing_value = MIDDLE
+    )]
+    recenter: Option<Recenter>,
     /// Show so many lines of what the program prints, those of the first vertices; 0 shows none
     #[arg(long, value_name = "N", default_value_t = 10)]
     print: usize,
@@ -95,7 +102,7 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
         check_target(&target)?;
         let deform = match kept.take() {
             Some((path, deform)) if path == input => deform,
-            _ => Deform::new(model::read(&input, args.quiet)?),
+            _ => read(args, &input)?,
         };
         // Now it is known what else the mesh is made of.
         check_target(&target)?;
@@ -134,4 +141,25 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
     }
     shown.end();
     Ok(())
+}
+
+/// The mesh of a file, ready to be moved.
+fn read(args: &DeformArgs, input: &Path) -> Result<Deform, Failure> {
+    let mesh = model::read(input, args.quiet)?;
+    if mesh.points.is_empty() {
+        let message = format!("there is no vertex in `{}`, so nothing would move", input.display());
+        return Err(Failure::plain(message).hint("Give a mesh with polygons."));
+    }
+    Ok(match args.recenter {
+        Some(recenter) => {
+            let origin = recenter.origin(&mesh);
+            Deform::around(mesh, origin)
+        }
+        None => {
+            if !args.quiet {
+                model::warn_coarse(input, &mesh);
+            }
+            Deform::new(mesh)
+        }
+    })
 }

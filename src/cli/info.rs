@@ -7,7 +7,7 @@ use super::model;
 use crate::eval::has_space;
 use crate::gbuffer::{JumpCounter, PointSampler};
 use crate::image::{File, Image, Input, ReadOptions, info as image_info, read};
-use crate::mesh::{Format, Mesh};
+use crate::mesh::{Format, Mesh, shortest};
 use crate::shape::Shape;
 use clap::Args;
 use std::fmt::Write;
@@ -108,8 +108,9 @@ fn about_mesh(path: &Path, mesh: &Mesh) -> String {
     line("normals", given(|c| c.normal.is_some()).into());
     line("uv", given(|c| c.uv.is_some()).into());
     if let Some([low, high]) = mesh.bounds() {
-        line("from", format!("[{} {} {}]", low[0], low[1], low[2]));
-        line("to", format!("[{} {} {}]", high[0], high[1], high[2]));
+        for (name, end) in [("from", low), ("to", high)] {
+            line(name, format!("[{}]", end.map(shortest).join(" ")));
+        }
     }
     for (i, name) in mesh.surfaces.iter().enumerate() {
         let faces = mesh.faces.iter().filter(|f| f.surface as usize == i).count();

@@ -4,7 +4,7 @@ use super::failure::{Failure, warn};
 use super::progress::{Meter, Style};
 use crate::mesh::{self, Format};
 use crate::program::Progress;
-use crate::scene::Model;
+use crate::scene::{Model, parse_point};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,17 +20,64 @@ pub(super) enum Up {
     Z,
 }
 
-/// What a model was made from: file, direction, and the file's length and time.
-type Key = (PathBuf, Up, u64, Option<SystemTime>);
+/// What is moved to the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Recenter {
+    /// The middle of the mesh, rounded to a hundredth of its size or better
+    Middle,
+    /// A point in the space of `point`
+    Point([f64; 3]),
+}
+
+impl Recenter {
+    /// Parses the option's value.
+    pub fn parse(text: &str) -> Result<Recenter, String> {
+        match text {
+            MIDDLE => Ok(Recenter::Middle),
+            _ => parse_point(text).map(Recenter::Point).map_err(|e| e.hint()),
+        }
+    }
+
+    /// The point of a mesh that is to be at the origin.
+    pub fn origin(self, mesh: &mesh::Mesh) -> [f64; 3] {
+        match self {
+            Recenter::Middle => mesh.round_middle(),
+            Recenter::Point(point) => point,
+        }
+    }
+}
+
+/// The value of `--recenter` where none is given.
+pub(super) const MIDDLE: &str = "middle";
+
+/// Reports that `point` is coarse where the mesh is.
+pub(super) fn warn_coarse(path: &Path, mesh: &mesh::Mesh) {
+    if let Some(step) = mesh.coarse_step() {
+        warn(&format!(
+            "{}: the mesh is so far from the origin that its `point`, in 32 bits, has steps of {}. Add --recenter to \
+             move its middle to the origin.",
+            path.display(),
+            step as f32
+        ));
+    }
+}
+
+/// What a model was made from: file, direction, origin, and the file's length and time.
+type Key = (PathBuf, Up, Option<Recenter>, u64, Option<SystemTime>);
 
 /// The model that was made last.
 static LAST: Mutex<Option<(Key, Arc<Model>)>> = Mutex::new(None);
 
 /// The mesh of a file, ready to be looked at.
-pub(super) fn load(path: &Path, up: Up, quiet: bool) -> Result<Arc<Model>, Failure> {
+pub(super) fn load(
+    path: &Path,
+    up: Up,
+    recenter: Option<Recenter>,
+    quiet: bool,
+) -> Result<Arc<Model>, Failure> {
     let about = std::fs::metadata(path).ok();
     let time = about.as_ref().and_then(|about| about.modified().ok());
-    let key: Key = (path.to_path_buf(), up, about.map_or(0, |about| about.len()), time);
+    let key: Key = (path.to_path_buf(), up, recenter, about.map_or(0, |about| about.len()), time);
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((_, model)) = last.as_ref().filter(|(of, _)| *of == key) {
         return Ok(Arc::clone(model));
@@ -40,6 +87,18 @@ pub(super) fn load(path: &Path, up: Up, quiet: bool) -> Result<Arc<Model>, Failu
     let mut mesh = read(path, quiet)?;
     if up == Up::Y {
         mesh.y_up_to_z_up();
+    }
+    match recenter {
+        Some(recenter) => {
+            let [x, y, z] = recenter.origin(&mesh);
+            mesh.translate([-x, -y, -z]);
+            if !quiet && recenter == Recenter::Middle {
+                let path = path.display();
+                warn(&format!("{path}: what was at {x},{y},{z} is at the origin (--recenter={x},{y},{z})"));
+            }
+        }
+        None if !quiet => warn_coarse(path, &mesh),
+        None => {}
     }
     let model = Arc::new(Model::new(mesh)?);
     *last = Some((key, Arc::clone(&model)));

@@ -4,7 +4,7 @@ use super::failure::{Failure, print, warn};
 use super::frames::{self, Chosen, Frame, FrameArg, FrameSource};
 use super::input::Finder;
 use super::interrupt;
-use super::model::{self, Up};
+use super::model::{self, MIDDLE, Recenter, Up};
 use super::output;
 use super::progress::{Meter, Style};
 use super::region::bands;
@@ -30,6 +30,12 @@ pub(super) struct ViewArgs {
     /// Which way is up in the mesh's file. It is turned so that z is up
     #[arg(long, value_enum, value_name = "AXIS", requires = "mesh")]
     pub up: Option<Up>,
+    /// Move the mesh so that its middle, or the point given, is at the origin. Far from it `point` has few digits
+    #[arg(
+        long, value_name = "X,Y,Z", requires = "mesh", value_parser = Recenter::parse,
+        num_args = 0..=1, require_equals = true, default_missing_value = MIDDLE
+    )]
+    pub recenter: Option<Recenter>,
     /// Columns and rows of the picture, 640x480 if not given
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<Size>,
@@ -66,7 +72,7 @@ fn point(text: &str) -> Result<Point, String> {
 impl ViewArgs {
     /// Checks that nothing is given that an image cannot have.
     pub fn check_for_image(&self) -> Result<(), Failure> {
-        let ViewArgs { size, eye, look_at, fov, scale, mesh: _, up: _ } = self;
+        let ViewArgs { size, eye, look_at, fov, scale, mesh: _, up: _, recenter: _ } = self;
         if size.is_some() || scale.is_some() {
             return Err(Failure::usage("--size and --scale need a --scene or a --mesh")
                 .hint("An image has the size and the points that it has."));
@@ -100,7 +106,7 @@ impl ViewArgs {
             Seen::Scene(name) => Renderer::new(name, &options)?,
             Seen::Mesh(path) => {
                 let path = frames::input(path, frame);
-                let model = model::load(&path, self.up.unwrap_or_default(), quiet)?;
+                let model = model::load(&path, self.up.unwrap_or_default(), self.recenter, quiet)?;
                 Renderer::of_model(&model, &options)?
             }
         })

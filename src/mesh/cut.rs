@@ -27,8 +27,7 @@ impl Cutter {
             return each([0, 1, 2]);
         }
         self.polygon.clear();
-        self.polygon
-            .extend(corners.iter().map(|c| DVec3::from(mesh.points[c.point as usize].map(f64::from))));
+        self.polygon.extend(corners.iter().map(|c| DVec3::from(mesh.points[c.point as usize])));
         let polygon = &self.polygon;
         let normal = newell(polygon);
         // Does the triangle look where the polygon looks, or nowhere?

@@ -1,6 +1,6 @@
 //! Vertices as pixels: a mesh becomes an image of one row, and what a program makes of it moves the points.
 
-use super::Mesh;
+use super::{FINE, Mesh, decimal};
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
 use crate::shape::Shape;
@@ -24,6 +24,8 @@ use std::collections::HashMap;
 #[derive(Clone, Debug)]
 pub struct Deform {
     mesh: Mesh,
+    /// What lies at the origin of the program's space.
+    origin: [f64; 3],
     /// The planes of the image: point, normal, and uv if there is any.
     planes: Vec<Vec<f32>>,
     /// For each corner the number of its new normal, of which there are so many.
@@ -35,11 +37,17 @@ impl Deform {
     /// Looks at a mesh. Corners that lie at the same place and had the same normal, or none, will have the same normal again:
     /// what was smooth stays smooth, and a crease stays a crease.
     pub fn new(mesh: Mesh) -> Deform {
+        Deform::around(mesh, [0.0; 3])
+    }
+
+    /// The same, where the program sees points relative to `origin`, and what it returns is put back from there. So a mesh far
+    /// from the origin of its file keeps detail that a 32-bit `point` would lose.
+    pub fn around(mesh: Mesh, origin: [f64; 3]) -> Deform {
         let places = mesh.places();
-        let mut numbers: HashMap<(u32, Option<[u32; 3]>), u32> = HashMap::new();
+        let mut numbers: HashMap<(u32, Option<[u64; 3]>), u32> = HashMap::new();
         let mut group = Vec::with_capacity(mesh.corners.len());
         for corner in &mesh.corners {
-            let normal = corner.normal.map(|i| mesh.normals[i as usize].map(f32::to_bits));
+            let normal = corner.normal.map(|i| mesh.normals[i as usize].map(f64::to_bits));
             let next = numbers.len() as u32;
             group.push(*numbers.entry((places[corner.point as usize], normal)).or_insert(next));
         }
@@ -55,7 +63,7 @@ impl Deform {
         }
         let mut planes: Vec<Vec<f32>> = Vec::new();
         for i in 0..3 {
-            planes.push(mesh.points.iter().map(|p| p[i]).collect());
+            planes.push(mesh.points.iter().map(|p| (p[i] - origin[i]) as f32).collect());
         }
         let normals: Vec<[f32; 3]> =
             places.iter().map(|&p| smooth[p as usize].as_vec3().to_array()).collect();
@@ -65,16 +73,15 @@ impl Deform {
         if uvs.iter().any(Option::is_some) {
             let uv = |place: u32| uvs[place as usize].map_or([0.0; 2], |uv| mesh.uvs[uv as usize]);
             for i in 0..2 {
-                planes.push(places.iter().map(|&p| uv(p)[i]).collect());
+                planes.push(places.iter().map(|&p| uv(p)[i] as f32).collect());
             }
         }
-        Deform { mesh, planes, group, groups }
+        Deform { mesh, origin, planes, group, groups }
     }
 
     /// How far vertices lie from their neighbours: the mean length of the edges, which is the `pixelsize` of a deformation.
     pub fn spacing(&self) -> f32 {
-        let place =
-            |corner: &super::Corner| DVec3::from(self.mesh.points[corner.point as usize].map(f64::from));
+        let place = |corner: &super::Corner| DVec3::from(self.mesh.points[corner.point as usize]);
         let (mut sum, mut count) = (0.0, 0usize);
         for face in &self.mesh.faces {
             let corners = self.mesh.corners_of(face);
@@ -105,7 +112,10 @@ impl Deform {
         Image { width: self.mesh.points.len(), height: 1, variables, ..Image::default() }
     }
 
-    /// The mesh with the points of `image`, which a program made of [`Deform::image`]. All normals are made anew.
+    /// The mesh with the points of `image`, which a program made of [`Deform::image`].
+    ///
+    /// A coordinate that the program left as it was keeps the file's number, with all its digits. Normals are made anew from the
+    /// faces where one of these changed, and where there are none; if no point moved, the mesh is as it was.
     ///
     /// # Errors
     /// If it has no `point`, one that is no vector of 3, or one that is not finite.
@@ -125,22 +135,54 @@ impl Deform {
             return wrong(message, "Say where it goes: point = [x y z].");
         };
         let mut mesh = self.mesh.clone();
+        let mut moved = vec![false; mesh.points.len()];
+        // A number of few digits, if it is near enough: of singles at 448262.1 it is a noticeable way off.
+        let slack = mesh.longest_side() / FINE;
+        let number = |x: f32| {
+            let (exact, short) = (f64::from(x), decimal(x));
+            if (exact - short).abs() <= slack { short } else { exact }
+        };
         for (i, place) in mesh.points.iter_mut().enumerate() {
-            let moved = [x[i], y[i], z[i]];
-            if moved.iter().any(|c| !c.is_finite()) {
-                let ([x, y, z], [a, b, c], vertex) = (moved, *place, i + 1);
+            let new = [x[i], y[i], z[i]];
+            for k in 0..3 {
+                if new[k].to_bits() != self.planes[k][i].to_bits() {
+                    place[k] = self.origin[k] + number(new[k]);
+                    moved[i] = true;
+                }
+            }
+            if new.iter().chain(&place.map(|c| c as f32)).any(|c| !c.is_finite()) {
+                let ([x, y, z], [a, b, c], vertex) = (new, [0, 1, 2].map(|k| self.planes[k][i]), i + 1);
                 return wrong(
                     format!("the program moves vertex {vertex} to [{x} {y} {z}], which is no place"),
                     &format!("It was at [{a} {b} {c}]."),
                 );
             }
-            *place = moved;
         }
-        let normals = mesh.angle_normals(self.groups, |corner| self.group[corner] as usize);
-        mesh.normals = normals.iter().map(|n| n.as_vec3().to_array()).collect();
-        for (corner, &group) in mesh.corners.iter_mut().zip(&self.group) {
-            corner.normal = (mesh.normals[group as usize] != [0.0; 3]).then_some(group);
+        if moved.contains(&true) {
+            self.renew_normals(&mut mesh, &moved);
         }
         Ok(mesh)
+    }
+
+    /// Makes the normals anew of corners that are at a face of which a point has moved, or that have none. Others keep theirs.
+    fn renew_normals(&self, mesh: &mut Mesh, moved: &[bool]) {
+        let mut changed = vec![false; self.groups];
+        for face in &mesh.faces {
+            if mesh.corners_of(face).iter().any(|corner| moved[corner.point as usize]) {
+                let groups = &self.group[face.first as usize..][..face.corners as usize];
+                groups.iter().for_each(|&group| changed[group as usize] = true);
+            }
+        }
+        let normals = mesh.angle_normals(self.groups, |corner| self.group[corner] as usize);
+        let mut kept: Vec<[f64; 3]> = normals.iter().map(|n| n.as_vec3().to_array().map(decimal)).collect();
+        // All corners of a group had the same one.
+        for (corner, &group) in mesh.corners.iter_mut().zip(&self.group) {
+            match corner.normal {
+                Some(old) if !changed[group as usize] => kept[group as usize] = mesh.normals[old as usize],
+                _ => {}
+            }
+            corner.normal = (kept[group as usize] != [0.0; 3]).then_some(group);
+        }
+        mesh.normals = kept;
     }
 }

@@ -61,7 +61,8 @@ impl Mesh {
     /// Writes it as a file, which appears whole or not at all, in the format that its name ends in. Nothing is turned or
     /// scaled.
     ///
-    /// OBJ keeps all there is. PLY and GLB have one normal and one uv at each vertex, so a point whose corners differ
+    /// OBJ keeps all there is, with all digits. PLY has points as floats where these hold them, else as doubles. GLB has floats,
+    /// relative to a translation if the mesh is far from the origin. PLY and GLB have one normal and one uv at each vertex, so a point whose corners differ
     /// becomes several; and GLB has nothing but triangles.
     ///
     /// # Errors

@@ -1,68 +1,150 @@
 //! The numbers of a glTF file: its buffers, and the accessors that say where in them what is.
 //!
-//! The crate `gltf` knows what the JSON means and that its references hold, but its own readers of accessors take the
-//! bytes to be there, and stop the program where they are not. Here every range is looked at before it is read.
+//! Every range is looked at before it is read, and a buffer is only opened when something in it is needed.
 
+use super::gltf_json::{Document, extension, index, list, required, text};
 use super::read::{Wrong, reserve};
 use crate::files::{self, Folders};
 use crate::image::{Content, recorded};
 use base64::Engine;
-use base64::prelude::BASE64_STANDARD;
-use gltf::accessor::DataType;
-use gltf::buffer;
-use percent_encoding::percent_decode_str;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::{percent_decode, percent_decode_str};
+use serde_json::Value;
 use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 /// Values of an accessor without bytes of its own, all of which are 0; only a file that is made to hurt has more.
 const ZEROS: usize = 1 << 24;
 
-/// The bytes of all buffers.
+/// A type of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum DataType {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl DataType {
+    /// The type of that number.
+    fn of(code: usize) -> Result<DataType, Wrong> {
+        Ok(match code {
+            5120 => DataType::I8,
+            5121 => DataType::U8,
+            5122 => DataType::I16,
+            5123 => DataType::U16,
+            5125 => DataType::U32,
+            5126 => DataType::F32,
+            _ => return Err(format!("`componentType` is {code}, which stands for no type of numbers")),
+        })
+    }
+
+    /// Its bytes.
+    fn size(self) -> usize {
+        match self {
+            DataType::I8 | DataType::U8 => 1,
+            DataType::I16 | DataType::U16 => 2,
+            DataType::U32 | DataType::F32 => 4,
+        }
+    }
+}
+
+/// The document with the bytes of its buffers, as far as they were needed.
 pub(super) struct Buffers<'a> {
-    list: Vec<Cow<'a, [u8]>>,
+    document: &'a Document,
+    /// The binary piece of the file.
+    own: Option<&'a [u8]>,
+    path: &'a Path,
+    read: Vec<OnceCell<Cow<'a, [u8]>>>,
 }
 
 impl<'a> Buffers<'a> {
-    /// Reads the buffers: the file's own piece, those beside the file at `path`, and those within the JSON.
-    pub fn read(document: &gltf::Document, own: Option<&'a [u8]>, path: &Path) -> Result<Buffers<'a>, Wrong> {
-        let mut list = Vec::new();
-        for buffer in document.buffers() {
-            let bytes = match buffer.source() {
-                buffer::Source::Bin => Cow::Borrowed(own.ok_or("its binary piece is missing")?),
-                buffer::Source::Uri(uri) => Cow::Owned(fetch(uri, path, buffer.length())?),
-            };
-            if bytes.len() < buffer.length() {
-                let (has, index) = (bytes.len(), buffer.index());
-                return Err(format!("buffer {index} has {has} bytes, but should have {}", buffer.length()));
-            }
-            list.push(bytes);
+    /// The buffers of the file at `path`, whose own binary piece is `own`.
+    pub fn new(document: &'a Document, own: Option<&'a [u8]>, path: &'a Path) -> Buffers<'a> {
+        let read = document.all("buffers").iter().map(|_| OnceCell::new()).collect();
+        Buffers { document, own, path, read }
+    }
+
+    /// The bytes of a buffer: the file's own piece, those beside the file, or those within the JSON.
+    fn buffer(&self, number: usize) -> Result<&[u8], Wrong> {
+        let buffer = self.document.one("buffers", number)?;
+        if let Some(bytes) = self.read[number].get() {
+            return Ok(bytes);
         }
-        Ok(Buffers { list })
+        let length = required(buffer, "byteLength").map_err(|wrong| format!("buffer {number}: {wrong}"))?;
+        let bytes = match (text(buffer, "uri"), self.own) {
+            (Some(uri), _) => Cow::Owned(fetch(uri, self.path, length)?),
+            (None, Some(own)) if number == 0 => Cow::Borrowed(own),
+            (None, _) if number == 0 => return Err("its binary piece is missing".into()),
+            (None, _) => return Err(format!("buffer {number} has no data: it has no `uri`")),
+        };
+        if bytes.len() < length {
+            let has = bytes.len();
+            return Err(format!("buffer {number} has {has} bytes, but should have {length}"));
+        }
+        Ok(self.read[number].get_or_init(|| bytes))
     }
 
     /// The bytes of a view from an offset on, and how far its entries lie apart, if it says so.
-    fn view(&self, view: &buffer::View<'_>, offset: usize) -> Result<(&[u8], Option<usize>), Wrong> {
-        let bytes = self.list.get(view.buffer().index()).ok_or("a buffer is missing")?;
-        let range = view.offset().checked_add(view.length()).and_then(|end| bytes.get(view.offset()..end));
+    fn view(&self, number: usize, offset: usize) -> Result<(&[u8], Option<usize>), Wrong> {
+        let view = self.document.one("bufferViews", number)?;
+        let what = |wrong: Wrong| format!("buffer view {number}: {wrong}");
+        let buffer = required(view, "buffer").map_err(what)?;
+        let length = required(view, "byteLength").map_err(what)?;
+        let start = index(view, "byteOffset").map_err(what)?.unwrap_or(0);
+        let bytes = self.buffer(buffer).map_err(|wrong| {
+            // The buffer of compressed data is another one, which only the extension names.
+            match extension(view, "EXT_meshopt_compression").or(extension(view, "KHR_meshopt_compression")) {
+                Some(_) => "its numbers are compressed (meshopt_compression), which is not known here".into(),
+                None => wrong,
+            }
+        })?;
+        let range = start.checked_add(length).and_then(|end| bytes.get(start..end));
         let bytes = range.and_then(|bytes| bytes.get(offset..));
-        let what = || format!("buffer view {} lies outside of its buffer", view.index());
-        Ok((bytes.ok_or_else(what)?, view.stride()))
+        let bytes = bytes.ok_or_else(|| format!("buffer view {number} lies outside of its buffer"))?;
+        Ok((bytes, index(view, "byteStride").map_err(what)?))
+    }
+
+    /// The number of entries of an accessor.
+    pub fn count(&self, number: usize) -> Result<usize, Wrong> {
+        let accessor = self.document.one("accessors", number)?;
+        required(accessor, "count").map_err(|wrong| format!("accessor {number}: {wrong}"))
+    }
+
+    /// The indices of vertices that an accessor holds.
+    pub fn indices(&self, number: usize) -> Result<Vec<u32>, Wrong> {
+        let accessor = self.document.one("accessors", number)?;
+        let kind = DataType::of(required(accessor, "componentType")?)
+            .map_err(|wrong| format!("accessor {number}: {wrong}"))?;
+        if !matches!(kind, DataType::U8 | DataType::U16 | DataType::U32) {
+            return Err(format!("accessor {number} has indices that may be negative or fractions"));
+        }
+        Ok(self.numbers::<1>(number)?.into_iter().map(|[i]| i as u32).collect())
     }
 
     /// The numbers of an accessor, so many for each entry.
-    pub fn numbers<const N: usize>(&self, accessor: &gltf::Accessor<'_>) -> Result<Vec<[f64; N]>, Wrong> {
-        let (index, count) = (accessor.index(), accessor.count());
-        let has = accessor.dimensions().multiplicity();
-        if has != N {
-            return Err(format!("accessor {index} has {has} numbers for each entry, where {N} are wanted"));
+    pub fn numbers<const N: usize>(&self, number: usize) -> Result<Vec<[f64; N]>, Wrong> {
+        let accessor = self.document.one("accessors", number)?;
+        let what = |wrong: Wrong| format!("accessor {number}: {wrong}");
+        let kind = DataType::of(required(accessor, "componentType").map_err(what)?).map_err(what)?;
+        let has = text(accessor, "type").ok_or_else(|| what("`type` is missing".into()))?;
+        let normalized = accessor.get("normalized").and_then(Value::as_bool).unwrap_or(false);
+        let wanted = ["", "SCALAR", "VEC2", "VEC3", "VEC4"][N];
+        if has != wanted {
+            return Err(format!("accessor {number} is of type {has}, where {wanted} is needed"));
         }
-        let kind = accessor.data_type();
-        let short = || format!("accessor {index} has {count} entries, but not the bytes for them");
+        let count = required(accessor, "count").map_err(what)?;
+        let short = || format!("accessor {number} has {count} entries, but not the bytes for them");
         let mut values = Vec::new();
-        match accessor.view() {
+        match index(accessor, "bufferView").map_err(what)? {
             Some(view) => {
-                let (bytes, stride) = self.view(&view, accessor.offset())?;
+                let offset = index(accessor, "byteOffset").map_err(what)?.unwrap_or(0);
+                let (bytes, stride) = self.view(view, offset)?;
                 let width = N * kind.size();
                 let stride = stride.unwrap_or(width);
                 let last = count.checked_sub(1).and_then(|n| n.checked_mul(stride)?.checked_add(width));
@@ -70,16 +152,15 @@ impl<'a> Buffers<'a> {
                     return Err(short());
                 }
                 reserve(&mut values, count)?;
-                values.extend(
-                    (0..count).map(|i| entry(&bytes[i * stride..][..width], kind, accessor.normalized())),
-                );
+                values.extend((0..count).map(|i| entry(&bytes[i * stride..][..width], kind, normalized)));
             }
             None if count > ZEROS => return Err(short()),
+            // The specification: without a view all are zeros.
             None => values.resize(count, [0.0; N]),
         }
-        if let Some(sparse) = accessor.sparse() {
-            self.replace(&mut values, &sparse, kind, accessor.normalized())
-                .map_err(|wrong| format!("accessor {index}, which is sparse: {wrong}"))?;
+        if let Some(sparse) = accessor.get("sparse") {
+            self.replace(&mut values, sparse, kind, normalized)
+                .map_err(|wrong| format!("accessor {number}, which is sparse: {wrong}"))?;
         }
         Ok(values)
     }
@@ -88,18 +169,19 @@ impl<'a> Buffers<'a> {
     fn replace<const N: usize>(
         &self,
         values: &mut [[f64; N]],
-        sparse: &gltf::accessor::sparse::Sparse<'_>,
+        sparse: &Value,
         kind: DataType,
         normalized: bool,
     ) -> Result<(), Wrong> {
-        let (indices, count) = (sparse.indices(), sparse.count());
-        let index_kind = match indices.index_type() {
-            gltf::accessor::sparse::IndexType::U8 => DataType::U8,
-            gltf::accessor::sparse::IndexType::U16 => DataType::U16,
-            gltf::accessor::sparse::IndexType::U32 => DataType::U32,
-        };
-        let (places, _) = self.view(&indices.view(), indices.offset())?;
-        let (bytes, _) = self.view(&sparse.values().view(), sparse.values().offset())?;
+        let count = required(sparse, "count")?;
+        let part = |name: &str| sparse.get(name).ok_or_else(|| format!("`{name}` is missing"));
+        let (indices, new) = (part("indices")?, part("values")?);
+        let index_kind = DataType::of(required(indices, "componentType")?)?;
+        if !matches!(index_kind, DataType::U8 | DataType::U16 | DataType::U32) {
+            return Err("its indices may be negative or fractions".into());
+        }
+        let view = |of: &Value| self.view(required(of, "bufferView")?, index(of, "byteOffset")?.unwrap_or(0));
+        let ((places, _), (bytes, _)) = (view(indices)?, view(new)?);
         let width = N * kind.size();
         if count > places.len() / index_kind.size() || count > bytes.len() / width {
             return Err(format!("it has {count} entries, but not the bytes for them"));
@@ -146,20 +228,25 @@ const MAX_JSON: u64 = 1 << 30;
 
 /// The files that a .gltf file names for its data, as far as it can be read.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
-    let text = files::regular(path).and_then(|file| files::read_all(file, MAX_JSON));
-    let Ok(text) = text else { return Vec::new() };
-    let Ok(root) = gltf::json::deserialize::from_slice::<gltf::json::Root>(&text) else { return Vec::new() };
-    let uris = root.buffers.iter().filter_map(|b| b.uri.as_deref()).filter(|uri| !uri.starts_with("data:"));
-    uris.filter_map(|uri| beside(uri, path).ok()).collect()
+    let bytes = files::regular(path).and_then(|file| files::read_all(file, MAX_JSON));
+    let Ok(bytes) = bytes else { return Vec::new() };
+    let Ok(root) = serde_json::from_slice::<Value>(&super::text::utf8(&bytes)) else { return Vec::new() };
+    let uris = list(&root, "buffers").iter().filter_map(|buffer| text(buffer, "uri"));
+    uris.filter(|uri| !uri.starts_with("data:")).filter_map(|uri| beside(uri, path).ok()).collect()
 }
 
 /// The bytes that a URI stands for, `length` at most if it is a file's: those in it, or those of a regular file beside the
 /// one at `path`. Nothing is fetched from elsewhere, by links either.
 fn fetch(uri: &str, path: &Path, length: usize) -> Result<Vec<u8>, Wrong> {
     if let Some(data) = uri.strip_prefix("data:") {
-        let text = data.split_once(";base64,").map(|(_, text)| text);
-        let text = text.ok_or("a buffer is in the file, but not as base64")?;
-        return BASE64_STANDARD.decode(text).map_err(|e| format!("a buffer in the file is no base64: {e}"));
+        let (about, data) = data.split_once(',').ok_or("a buffer in the file has no data behind a comma")?;
+        if !about.ends_with(";base64") {
+            return Ok(percent_decode(data.as_bytes()).collect());
+        }
+        // The `=` at the end may be missing.
+        let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+        let decoded = GeneralPurpose::new(&STANDARD, config).decode(data);
+        return decoded.map_err(|e| format!("a buffer in the file is no base64: {e}"));
     }
     let file = beside(uri, path)?;
     let fail = |e: std::io::Error| format!("its data are in `{}`: {e}", file.display());

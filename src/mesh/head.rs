@@ -29,7 +29,7 @@ pub fn head() -> Mesh {
                 *points.entry(cell).or_insert_with(|| {
                     let point = shape(direction(cell));
                     turns.push(0.5 + libm::atan2(point.x, point.z) / std::f64::consts::TAU);
-                    mesh.points.push(point.as_vec3().to_array());
+                    mesh.points.push(point.as_vec3().as_dvec3().to_array());
                     mesh.points.len() as u32 - 1
                 })
             });
@@ -40,8 +40,8 @@ pub fn head() -> Mesh {
                 let u = turns[point as usize];
                 let wraps = right && u < 0.25;
                 let uv = *uvs.entry((point, wraps)).or_insert_with(|| {
-                    let v = (f64::from(mesh.points[point as usize][1]) + 1.3) / 2.3;
-                    mesh.uvs.push([(u + f64::from(wraps)) as f32, v as f32]);
+                    let v = (mesh.points[point as usize][1] + 1.3) / 2.3;
+                    mesh.uvs.push([u + f64::from(wraps), v].map(|c| f64::from(c as f32)));
                     mesh.uvs.len() as u32 - 1
                 });
                 mesh.corners.push(Corner { point, normal: None, uv: Some(uv) });

@@ -8,12 +8,13 @@
 //!
 //! - Right-handed space. Faces run counterclockwise seen from outside.
 //! - `uv` has its origin at the bottom left of an image, v up, as in OBJ. (Readers of formats with v down turn it.)
-//! - Numbers are `f32`, as in the files; whoever computes with them does it in `f64`.
+//! - Numbers are `f64`: text files and PLY can hold more digits than an `f32` has, and a mesh far from the origin needs them.
 
 mod cut;
 mod deform;
 mod format;
 mod gltf_data;
+mod gltf_json;
 mod head;
 mod normals;
 mod ply_header;
@@ -21,7 +22,9 @@ mod read;
 mod read_gltf;
 mod read_obj;
 mod read_ply;
+mod single;
 mod split;
+mod text;
 mod write_glb;
 mod write_obj;
 mod write_ply;
@@ -32,16 +35,17 @@ pub use format::Format;
 pub use gltf_data::companions;
 pub use head::head;
 pub use read::{File, read};
+pub(crate) use single::{decimal, shortest};
 
 /// A polygon mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Where the vertices are, in the units of the file.
-    pub points: Vec<[f32; 3]>,
+    pub points: Vec<[f64; 3]>,
     /// Unit normals that corners refer to; may be none.
-    pub normals: Vec<[f32; 3]>,
+    pub normals: Vec<[f64; 3]>,
     /// Texture coordinates that corners refer to; may be none.
-    pub uvs: Vec<[f32; 2]>,
+    pub uvs: Vec<[f64; 2]>,
     /// The corners of all faces, one face after the other.
     pub corners: Vec<Corner>,
     /// The faces, in order.
@@ -72,6 +76,9 @@ pub struct Face {
     pub surface: u32,
 }
 
+/// Steps along a mesh's longest side, below which rounding shows in a picture of some thousand pixels.
+pub(crate) const FINE: f64 = 65536.0;
+
 impl Mesh {
     /// The corners of a face, counterclockwise.
     pub fn corners_of(&self, face: &Face) -> &[Corner] {
@@ -79,7 +86,7 @@ impl Mesh {
     }
 
     /// The least and the greatest coordinates of the points; `None` without any.
-    pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         let first = *self.points.first()?;
         Some(self.points.iter().fold([first, first], |[low, high], p| {
             [std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i]))]
@@ -98,5 +105,47 @@ impl Mesh {
         for [_, y, z] in self.points.iter_mut().chain(&mut self.normals) {
             (*y, *z) = (*z, -*y);
         }
+    }
+
+    /// The middle of its bounds; the origin if there are no points.
+    pub fn middle(&self) -> [f64; 3] {
+        let [low, high] = self.bounds().unwrap_or_default();
+        std::array::from_fn(|i| low[i] + (high[i] - low[i]) / 2.0)
+    }
+
+    /// The same, rounded to the decimal place of a hundredth of its longest side, so that few digits name it.
+    pub fn round_middle(&self) -> [f64; 3] {
+        let side = self.longest_side();
+        if side <= 0.0 {
+            return self.middle();
+        }
+        let place = libm::log10(side).floor() as i32 - 2;
+        let power = libm::pow(10.0, f64::from(place.abs()));
+        self.middle()
+            .map(|c| if place < 0 { (c * power).round() / power } else { (c / power).round() * power })
+    }
+
+    /// The longest side of its bounds.
+    pub(crate) fn longest_side(&self) -> f64 {
+        let [low, high] = self.bounds().unwrap_or_default();
+        (0..3).fold(0.0, |most, i| most.max(high[i] - low[i]))
+    }
+
+    /// Moves all points by `offset`.
+    pub fn translate(&mut self, offset: [f64; 3]) {
+        for point in &mut self.points {
+            *point = std::array::from_fn(|i| point[i] + offset[i]);
+        }
+    }
+
+    /// The distance between neighbouring 32-bit numbers at its farthest coordinate, where that is a noticeable part of the
+    /// mesh's size: the step to which the 32-bit `point` of a program is rounded. `None` for a mesh that is near enough to
+    /// the origin.
+    pub fn coarse_step(&self) -> Option<f64> {
+        let [low, high] = self.bounds()?;
+        let farthest = low.iter().chain(&high).fold(0.0, |most: f64, c| most.max(c.abs()));
+        let side = self.longest_side();
+        let step = f64::from((farthest as f32).next_up()) - f64::from(farthest as f32);
+        (side > 0.0 && step * FINE > side).then_some(step)
     }
 }

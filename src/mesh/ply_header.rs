@@ -19,6 +19,8 @@ pub(super) enum Kind {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -32,6 +34,9 @@ impl Kind {
             "ushort" | "uint16" => Kind::U16,
             "int" | "int32" => Kind::I32,
             "uint" | "uint32" => Kind::U32,
+            // Not in the format's first description, but written for large meshes.
+            "int64" | "long" => Kind::I64,
+            "uint64" | "ulong" => Kind::U64,
             "float" | "float32" => Kind::F32,
             "double" | "float64" => Kind::F64,
             _ => return None,
@@ -44,7 +49,7 @@ impl Kind {
             Kind::I8 | Kind::U8 => 1,
             Kind::I16 | Kind::U16 => 2,
             Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::F64 => 8,
+            Kind::I64 | Kind::U64 | Kind::F64 => 8,
         }
     }
 
@@ -59,6 +64,8 @@ impl Kind {
             Kind::U16 => f64::from(half),
             Kind::I32 => f64::from(word as i32),
             Kind::U32 => f64::from(word),
+            Kind::I64 => i64::from_le_bytes(w) as f64,
+            Kind::U64 => u64::from_le_bytes(w) as f64,
             Kind::F32 => f64::from(f32::from_bits(word)),
             Kind::F64 => f64::from_le_bytes(w),
         }
@@ -109,9 +116,16 @@ impl Header {
     pub fn read(bytes: &[u8]) -> Result<Header, Wrong> {
         let (mut encoding, mut elements, mut surfaces) = (None, Vec::<Element>::new(), Vec::new());
         let mut at = 0;
+        // All lines end as the first one does: behind the last one binary data may begin with any byte.
+        let first = bytes.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(0);
+        let break_at = if bytes[first..].starts_with(b"\r") && !bytes[first..].starts_with(b"\r\n") {
+            b'\r'
+        } else {
+            b'\n'
+        };
         for number in 1.. {
             let rest = &bytes[at..];
-            let end = rest.iter().position(|&b| b == b'\n').ok_or("its header has no end (end_header)")?;
+            let end = rest.iter().position(|&b| b == break_at).ok_or("its header has no end (end_header)")?;
             at += end + 1;
             let line = String::from_utf8_lossy(&rest[..end]);
             let words: Vec<&str> = line.split_ascii_whitespace().collect();
@@ -119,7 +133,7 @@ impl Header {
             let kind = |name: &str| Kind::of(name).ok_or_else(|| wrong(&format!("`{name}` is no type")));
             match words[..] {
                 ["end_header"] => break,
-                ["format", format, _] => {
+                ["format", format, ..] => {
                     encoding = Some(match format {
                         "ascii" => Encoding::Text,
                         "binary_little_endian" => Encoding::LittleEndian,

@@ -1,5 +1,6 @@
 //! Reading a mesh, whatever its format.
 
+use super::text::utf8;
 use super::{Format, Mesh, read_gltf, read_obj, read_ply};
 use crate::files;
 use crate::image::{Content, ErrorKind, ImageError, recorded};
@@ -40,7 +41,7 @@ pub(super) type Wrong = String;
 /// Reads a mesh. The format is told by the file's first bytes, or else by its name. `progress` is told now and then how
 /// many bytes of how many are done.
 ///
-/// Indices are known to be good then, points to be finite; a normal of length 0 is none.
+/// Text may be in UTF-8, UTF-16 or UTF-32. Indices are known to be good then, points to be finite, also as `f32`; a normal of length 0 is none.
 ///
 /// # Errors
 /// If the file cannot be read, is damaged, or holds what is not supported.
@@ -51,6 +52,7 @@ pub fn read(path: &Path, progress: &dyn Fn(usize, usize)) -> Result<File, ImageE
         files::read_all(file, limit)
     });
     let bytes = bytes.map_err(|e| ImageError::io("read", &shown, &e))?;
+    let bytes = utf8(&bytes);
     let format = format_of(path, &bytes)?;
     let mut source = Source { path, bytes: &bytes, progress, notes: Vec::new() };
     let mesh = match format {
@@ -59,7 +61,7 @@ pub fn read(path: &Path, progress: &dyn Fn(usize, usize)) -> Result<File, ImageE
         Format::Glb | Format::Gltf => read_gltf::read(&mut source),
     };
     let mesh = mesh
-        .and_then(checked)
+        .and_then(|mesh| checked(mesh, &mut source.notes))
         .map_err(|wrong| ImageError::new(ErrorKind::Damaged, format!("cannot read `{shown}`: {wrong}")))?;
     Ok(File { mesh, format, notes: source.notes })
 }
@@ -69,7 +71,7 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
     if bytes.starts_with(b"glTF") {
         return Ok(Format::Glb);
     }
-    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+    if bytes.strip_prefix(b"ply").is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_whitespace)) {
         return Ok(Format::Ply);
     }
     let shown = path.display();
@@ -89,35 +91,44 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
     }
 }
 
-/// The mesh, if it can be worked with: what points and corners refer to is there and finite.
-fn checked(mut mesh: Mesh) -> Result<Mesh, Wrong> {
+/// The mesh, if it can be worked with: the points that corners refer to are there and finite. Normals and uv that are not are
+/// left out.
+fn checked(mut mesh: Mesh, notes: &mut Vec<String>) -> Result<Mesh, Wrong> {
     let counts = [mesh.points.len(), mesh.corners.len(), mesh.normals.len(), mesh.uvs.len()];
     if counts.iter().any(|&n| n >= u32::MAX as usize) {
         return Err("it is too large: 4 billion corners are the limit".into());
     }
-    if let Some(i) = mesh.points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+    // Pictures and programs have 32-bit numbers.
+    if let Some(i) = mesh.points.iter().position(|p| p.iter().any(|&c| !(c as f32).is_finite())) {
         let [x, y, z] = mesh.points[i];
         return Err(format!("vertex {} is at [{x} {y} {z}], which is no place", i + 1));
     }
+    let counts = [mesh.points.len(), mesh.normals.len(), mesh.uvs.len()];
+    let mut missing = 0;
     for (number, face) in mesh.faces.iter().enumerate() {
-        for corner in &mesh.corners[face.first as usize..][..face.corners as usize] {
-            let lists = [
-                ("vertex", Some(corner.point), mesh.points.len()),
-                ("normal", corner.normal, mesh.normals.len()),
-                ("uv", corner.uv, mesh.uvs.len()),
-            ];
-            for (what, index, count) in lists {
-                if let Some(index) = index.filter(|&i| i as usize >= count) {
-                    let number = number + 1;
-                    return Err(format!(
-                        "face {number} refers to {what} {}, but there are only {count}",
-                        u64::from(index) + 1
-                    ));
+        for corner in &mut mesh.corners[face.first as usize..][..face.corners as usize] {
+            if corner.point as usize >= counts[0] {
+                return Err(format!(
+                    "face {} refers to vertex {}, but there are only {}",
+                    number + 1,
+                    u64::from(corner.point) + 1,
+                    counts[0]
+                ));
+            }
+            for (index, count) in [(&mut corner.normal, counts[1]), (&mut corner.uv, counts[2])] {
+                if index.is_some_and(|i| i as usize >= count) {
+                    *index = None;
+                    missing += 1;
                 }
             }
         }
     }
-    let good = |n: &[f32; 3]| n.iter().all(|c| c.is_finite()) && n.iter().any(|&c| c != 0.0);
+    if missing > 0 {
+        notes.push(format!(
+            "Faces refer {missing} times to normals or uv that are not there; these were left out."
+        ));
+    }
+    let good = |n: &[f64; 3]| n.iter().all(|c| c.is_finite()) && n.iter().any(|&c| c != 0.0);
     let bad: Vec<bool> = mesh.normals.iter().map(|n| !good(n)).collect();
     let odd: Vec<bool> = mesh.uvs.iter().map(|uv| uv.iter().any(|c| !c.is_finite())).collect();
     if bad.contains(&true) || odd.contains(&true) {

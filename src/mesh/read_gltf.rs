@@ -1,80 +1,74 @@
 //! glTF 2.0, as one binary file or as JSON.
 
 use super::gltf_data::Buffers;
+use super::gltf_json::{Document, extension, index, indices, list, numbers, text};
 use super::read::{Source, Wrong, reserve};
 use super::{Corner, Face, Mesh};
 use glam::{DMat4, DQuat, DVec3};
-use gltf::mesh::{Mode, Semantic};
-use gltf::scene::Transform;
-use serde_json::json;
+use serde_json::Value;
 use std::collections::{HashMap, HashSet};
 
-/// Extensions that a file may require: without them the shape is the same, or they are known here.
-const KNOWN: [&str; 6] = [
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "KHR_texture_basisu",
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_materials_",
-];
+/// Modes of primitives: what their indices make.
+const TRIANGLES: usize = 4;
+const STRIP: usize = 5;
+const FAN: usize = 6;
 
-/// Reads the meshes of the scene that is to be shown first, each where its nodes put it.
+/// Reads the meshes of the scene that is to be shown first, each where its nodes put it. A scene may be empty.
 pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
     let (text, own) = match source.bytes.starts_with(b"glTF") {
         true => pieces(source.bytes)?,
         false => (source.bytes, None),
     };
-    let document = document(text)?;
-    let buffers = Buffers::read(&document, own, source.path)?;
+    let document = Document::parse(text)?;
+    let primitives = document.all("meshes").iter().flat_map(|mesh| list(mesh, "primitives"));
+    let by_material = primitives.into_iter().any(|p| matches!(index(p, "material"), Ok(Some(_))));
     let mut reader = Reader {
-        buffers,
+        document: &document,
+        buffers: Buffers::new(&document, own, source.path),
         mesh: Mesh::default(),
-        by_material: document.meshes().flat_map(|m| m.primitives()).any(|p| p.material().index().is_some()),
+        by_material,
         surfaces: HashMap::new(),
-        lines: 0,
-        strange: [false; 2],
+        left_out: LeftOut::default(),
     };
 
     // Each node has one parent at most, so a node that comes again is a fault, and none is looked at for ever.
-    let mut seen = vec![false; document.nodes().len()];
-    let mut nodes: Vec<(gltf::Node<'_>, DMat4)> = Vec::new();
-    match document.default_scene().or_else(|| document.scenes().next()) {
-        Some(scene) => nodes.extend(scene.nodes().map(|node| (node, DMat4::IDENTITY))),
-        None => {
-            let children: HashSet<usize> =
-                document.nodes().flat_map(|n| n.children()).map(|n| n.index()).collect();
-            let roots = document.nodes().filter(|n| !children.contains(&n.index()));
-            nodes.extend(roots.map(|node| (node, DMat4::IDENTITY)));
+    let all = document.all("nodes");
+    let mut seen = vec![false; all.len()];
+    let mut done = 0;
+    let roots = roots(&document)?;
+    let mut nodes: Vec<(usize, DMat4)> =
+        roots.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
+    while let Some((number, parent)) = nodes.pop() {
+        let node = document.one("nodes", number)?;
+        if std::mem::replace(&mut seen[number], true) {
+            return Err(format!("node {number} is in the tree of nodes twice"));
         }
+        let what = |wrong: Wrong| format!("node {number}: {wrong}");
+        let to_world = parent * matrix(node).map_err(what)?;
+        reader.node(number, node, to_world).map_err(what)?;
+        nodes.extend(
+            indices(node, "children").map_err(what)?.into_iter().rev().map(|child| (child, to_world)),
+        );
+        done += 1;
+        (source.progress)(done, seen.len());
     }
-    nodes.reverse();
-    while let Some((node, parent)) = nodes.pop() {
-        if std::mem::replace(&mut seen[node.index()], true) {
-            return Err(format!("node {} is in the tree of nodes twice", node.index()));
-        }
-        let to_world = parent * matrix(&node.transform());
-        reader.strange[0] |= node.skin().is_some();
-        reader.node(&node, to_world).map_err(|wrong| format!("node {}: {wrong}", node.index()))?;
-        let children: Vec<_> = node.children().map(|child| (child, to_world)).collect();
-        nodes.extend(children.into_iter().rev());
-        (source.progress)(seen.iter().filter(|s| **s).count(), seen.len());
-    }
-
-    let [skins, morphs] = reader.strange;
-    if skins {
-        source.notes.push("Skins were left out: the mesh stands as it was modelled.".into());
-    }
-    if morphs {
-        source.notes.push("Morph targets were left out.".into());
-    }
-    if reader.lines > 0 {
-        source.notes.push(format!("{} sets of points or lines were left out.", reader.lines));
-    }
+    source.notes.extend(reader.left_out.notes());
     if reader.mesh.points.is_empty() {
-        return Err("there is no mesh in its scene".into());
+        source.notes.push("There is no mesh in its scene.".into());
     }
     Ok(reader.mesh)
+}
+
+/// The nodes that the scene begins with; without a scene, all that are no child of another.
+fn roots(document: &Document) -> Result<Vec<usize>, Wrong> {
+    if let Some(scene) = document.scene()? {
+        return indices(scene, "nodes").map_err(|wrong| format!("the scene: {wrong}"));
+    }
+    let mut children = HashSet::new();
+    for node in document.all("nodes") {
+        children.extend(indices(node, "children")?);
+    }
+    Ok((0..document.all("nodes").len()).filter(|node| !children.contains(node)).collect())
 }
 
 /// The JSON and the data of a binary file. (The crate's own function takes a length below that of the header for granted,
@@ -96,112 +90,137 @@ fn pieces(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Wrong> {
             // Others are for extensions.
             _ => {}
         }
-        at += 8 + (length as usize).next_multiple_of(4);
+        // Pieces are filled up to a multiple of four bytes, but some programs leave out the filling.
+        let end = at + 8 + length as usize;
+        let next_is_here = word(end + 4).map(u32::to_le_bytes) == Some(*b"BIN\0");
+        at = if next_is_here { end } else { end.next_multiple_of(4) };
     }
     Ok((text.ok_or("its JSON is missing")?, data))
 }
 
-/// The JSON, whose references are known to be good.
-fn document(text: &[u8]) -> Result<gltf::Document, Wrong> {
-    let mut root: gltf::json::Root = gltf::json::deserialize::from_slice(text.trim_ascii_end())
-        .map_err(|e| format!("its JSON is no glTF: {e}"))?;
-    let known = |name: &str| KNOWN.iter().any(|k| name == *k || k.ends_with('_') && name.starts_with(k));
-    if let Some(name) = root.extensions_required.iter().find(|name| !known(name)) {
-        return Err(format!("it requires the extension {name}, which is not known here"));
-    }
-    // The crate does not know them all, and wants bounds of points that are of no use here.
-    root.extensions_required.clear();
-    for accessor in &mut root.accessors {
-        (accessor.min, accessor.max) = (Some(json!([0, 0, 0])), Some(json!([0, 0, 0])));
-    }
-    // Of all references, it follows these before it looks at them.
-    let attributes = root.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|p| p.attributes.values());
-    if let Some(index) = attributes.map(|index| index.value()).find(|&i| i >= root.accessors.len()) {
-        return Err(format!("a vertex attribute refers to accessor {index}, which is not there"));
-    }
-    gltf::Document::from_json(root).map_err(|error| match error {
-        gltf::Error::Validation(faults) => match faults.first() {
-            Some((path, fault)) => format!("{path}: {fault}"),
-            None => "it is no glTF".into(),
-        },
-        other => other.to_string(),
-    })
-}
-
 /// A node's own transformation.
-fn matrix(transform: &Transform) -> DMat4 {
-    match transform {
-        Transform::Matrix { matrix } => {
-            DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
-        }
-        Transform::Decomposed { translation, rotation, scale } => {
-            let rotation = DQuat::from_array(rotation.map(f64::from)).normalize();
-            DMat4::from_translation(translation.map(f64::from).into())
-                * DMat4::from_quat(rotation)
-                * DMat4::from_scale(scale.map(f64::from).into())
-        }
+fn matrix(node: &Value) -> Result<DMat4, Wrong> {
+    if let Some(matrix) = numbers::<16>(node, "matrix")? {
+        return Ok(DMat4::from_cols_array(&matrix));
     }
+    let translation = numbers::<3>(node, "translation")?.unwrap_or_default();
+    let rotation = DQuat::from_array(numbers::<4>(node, "rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    let scale = numbers::<3>(node, "scale")?.unwrap_or([1.0; 3]);
+    let rotation = if rotation.length() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+    Ok(DMat4::from_scale_rotation_translation(scale.into(), rotation, translation.into()))
 }
 
 struct Reader<'a> {
+    document: &'a Document,
     buffers: Buffers<'a>,
     mesh: Mesh,
     /// Are surfaces told apart by material, or by node?
     by_material: bool,
     /// The numbers of surfaces, by the index of the material or node.
     surfaces: HashMap<Option<usize>, u32>,
+    left_out: LeftOut,
+}
+
+/// What is not read, or not followed.
+#[derive(Default)]
+struct LeftOut {
+    skins: bool,
+    morphs: bool,
+    instances: bool,
+    colours: bool,
+    /// Sets of points or lines.
     lines: usize,
-    /// Skins and morph targets, which are not followed.
-    strange: [bool; 2],
+}
+
+impl LeftOut {
+    fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let mut note = |is: bool, text: &str| {
+            if is {
+                notes.push(text.to_string());
+            }
+        };
+        note(self.skins, "Skins were left out: the mesh stands as it was modelled.");
+        note(self.morphs, "Morph targets were left out.");
+        note(self.instances, "Copies of a mesh (EXT_mesh_gpu_instancing) were left out: each is there once.");
+        note(self.colours, "The colours of vertices were left out.");
+        note(self.lines > 0, &format!("{} sets of points or lines were left out.", self.lines));
+        notes
+    }
 }
 
 /// Where the points, normals and uvs of a set begin in the mesh.
 type Starts = (u32, Option<u32>, Option<u32>);
 
 impl Reader<'_> {
-    fn node(&mut self, node: &gltf::Node<'_>, to_world: DMat4) -> Result<(), Wrong> {
-        let Some(mesh) = node.mesh() else { return Ok(()) };
+    fn node(&mut self, number: usize, node: &Value, to_world: DMat4) -> Result<(), Wrong> {
+        let Some(mesh) = index(node, "mesh")? else { return Ok(()) };
+        let mesh = self.document.one("meshes", mesh)?;
+        self.left_out.skins |= node.get("skin").is_some();
+        self.left_out.instances |= extension(node, "EXT_mesh_gpu_instancing").is_some();
         // Primitives that share their vertices keep sharing them.
         let mut known: HashMap<[Option<usize>; 3], (Starts, usize)> = HashMap::new();
-        for primitive in mesh.primitives() {
-            self.strange[1] |= primitive.morph_targets().next().is_some();
-            if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-                self.lines += 1;
-                continue;
+        for primitive in list(mesh, "primitives") {
+            self.left_out.morphs |= !list(primitive, "targets").is_empty();
+            let mode = index(primitive, "mode")?.unwrap_or(TRIANGLES);
+            match mode {
+                TRIANGLES | STRIP | FAN => {}
+                0..TRIANGLES => {
+                    self.left_out.lines += 1;
+                    continue;
+                }
+                _ => return Err(format!("`mode` is {mode}, which stands for no kind of primitive")),
             }
-            let accessors = [Semantic::Positions, Semantic::Normals, Semantic::TexCoords(0)];
-            let accessors = accessors.map(|semantic| primitive.get(&semantic));
-            let Some(positions) = &accessors[0] else { continue };
-            let key = accessors.each_ref().map(|a| a.as_ref().map(|a| a.index()));
+            let attributes = primitive.get("attributes").unwrap_or(&Value::Null);
+            let [positions, normals, uvs, colours] = ["POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0"];
+            self.left_out.colours |= attributes.get(colours).is_some();
+            let key = [index(attributes, positions)?, index(attributes, normals)?, index(attributes, uvs)?];
+            let [Some(positions), normals, uvs] = key else { continue };
+            self.check_compression(primitive, positions)?;
             let (starts, count) = match known.get(&key) {
                 Some(starts) => *starts,
                 None => {
-                    let starts =
-                        self.vertices(positions, accessors[1].as_ref(), accessors[2].as_ref(), to_world)?;
-                    known.insert(key, (starts, positions.count()));
-                    (starts, positions.count())
+                    let starts = self.vertices(positions, normals, uvs, to_world)?;
+                    *known.entry(key).or_insert((starts, self.buffers.count(positions)?))
                 }
             };
-            let surface = self.surface(node, &mesh, &primitive);
-            self.faces(&primitive, starts, count, surface, to_world.determinant() < 0.0)?;
+            let surface = self.surface(number, node, mesh, primitive)?;
+            self.faces(primitive, mode, starts, count, surface, to_world.determinant() < 0.0)?;
         }
         Ok(())
+    }
+
+    /// Compressed primitives may have their plain numbers too. Without these their accessors would be all zeros.
+    fn check_compression(&self, primitive: &Value, positions: usize) -> Result<(), Wrong> {
+        let accessor = self.document.one("accessors", positions)?;
+        let plain = accessor.get("bufferView").is_some() || accessor.get("sparse").is_some();
+        match extension(primitive, "KHR_draco_mesh_compression") {
+            Some(_) if !plain => {
+                Err("its mesh is compressed (KHR_draco_mesh_compression), which is not known here".into())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The number of a primitive's surface.
     fn surface(
         &mut self,
-        node: &gltf::Node<'_>,
-        mesh: &gltf::Mesh<'_>,
-        primitive: &gltf::Primitive<'_>,
-    ) -> u32 {
-        let material = primitive.material();
-        let key = if self.by_material { material.index() } else { Some(node.index()) };
+        number: usize,
+        node: &Value,
+        mesh: &Value,
+        primitive: &Value,
+    ) -> Result<u32, Wrong> {
+        let material = index(primitive, "material")?;
+        let key = if self.by_material { material } else { Some(number) };
+        let document = self.document;
         let names = &mut self.mesh.surfaces;
-        *self.surfaces.entry(key).or_insert_with(|| {
+        Ok(*self.surfaces.entry(key).or_insert_with(|| {
             let (name, what) = match self.by_material {
-                true => (material.name(), "material"),
-                false => (node.name().or(mesh.name()), "node"),
+                true => {
+                    let material = material.and_then(|i| document.all("materials").get(i));
+                    (material.and_then(|material| text(material, "name")), "material")
+                }
+                false => (text(node, "name").or(text(mesh, "name")), "node"),
             };
             names.push(match (name, key) {
                 (Some(name), _) => name.to_string(),
@@ -209,15 +228,15 @@ impl Reader<'_> {
                 (None, None) => "no material".into(),
             });
             names.len() as u32 - 1
-        })
+        }))
     }
 
     /// Adds vertices, moved to where they are in the world.
     fn vertices(
         &mut self,
-        positions: &gltf::Accessor<'_>,
-        normals: Option<&gltf::Accessor<'_>>,
-        uvs: Option<&gltf::Accessor<'_>>,
+        positions: usize,
+        normals: Option<usize>,
+        uvs: Option<usize>,
         to_world: DMat4,
     ) -> Result<Starts, Wrong> {
         let mesh = &mut self.mesh;
@@ -227,8 +246,8 @@ impl Reader<'_> {
         let points = self.buffers.numbers::<3>(positions)?;
         reserve(&mut mesh.points, points.len())?;
         let moved = points.iter().map(|&p| match to_world == DMat4::IDENTITY {
-            true => p.map(|c| c as f32),
-            false => to_world.transform_point3(p.into()).as_vec3().to_array(),
+            true => p,
+            false => to_world.transform_point3(p.into()).to_array(),
         });
         mesh.points.extend(moved);
         let mut lists = [false; 2];
@@ -241,10 +260,10 @@ impl Reader<'_> {
             let cofactors = [y.cross(z), z.cross(x), x.cross(y)].map(|c| c * sign);
             reserve(&mut mesh.normals, normals.len())?;
             mesh.normals.extend(normals.iter().map(|&n| match to_world == DMat4::IDENTITY {
-                true => n.map(|c| c as f32),
+                true => n,
                 false => {
                     let normal: DVec3 = cofactors[0] * n[0] + cofactors[1] * n[1] + cofactors[2] * n[2];
-                    normal.normalize_or_zero().as_vec3().to_array()
+                    normal.normalize_or_zero().to_array()
                 }
             }));
         }
@@ -253,7 +272,7 @@ impl Reader<'_> {
             lists[1] = uvs.len() == points.len();
             reserve(&mut mesh.uvs, uvs.len())?;
             // The format has v down.
-            mesh.uvs.extend(uvs.iter().map(|[u, v]| [*u as f32, (1.0 - v) as f32]));
+            mesh.uvs.extend(uvs.iter().map(|[u, v]| [*u, 1.0 - v]));
         }
         if normals.is_some() && !lists[0] || uvs.is_some() && !lists[1] {
             return Err("its vertices have not as many normals or uvs as positions".into());
@@ -263,31 +282,32 @@ impl Reader<'_> {
 
     fn faces(
         &mut self,
-        primitive: &gltf::Primitive<'_>,
+        primitive: &Value,
+        mode: usize,
         (points, normals, uvs): Starts,
         count: usize,
         surface: u32,
         mirrored: bool,
     ) -> Result<(), Wrong> {
-        let indices: Vec<u32> = match primitive.indices() {
-            Some(accessor) => self.buffers.numbers::<1>(&accessor)?.into_iter().map(|[i]| i as u32).collect(),
+        let indices: Vec<u32> = match index(primitive, "indices")? {
+            Some(accessor) => self.buffers.indices(accessor)?,
             None => (0..count as u32).collect(),
         };
         if let Some(index) = indices.iter().find(|&&i| i as usize >= count) {
             return Err(format!("a face refers to vertex {index}, but there are only {count}"));
         }
-        let triangles = match primitive.mode() {
-            Mode::Triangles => indices.len() / 3,
+        let triangles = match mode {
+            TRIANGLES => indices.len() / 3,
             _ => indices.len().saturating_sub(2),
         };
         let mesh = &mut self.mesh;
         reserve(&mut mesh.faces, triangles)?;
         reserve(&mut mesh.corners, triangles * 3)?;
         for i in 0..triangles {
-            let mut triangle = match primitive.mode() {
-                Mode::TriangleStrip if i % 2 == 1 => [indices[i + 1], indices[i], indices[i + 2]],
-                Mode::TriangleStrip => [indices[i], indices[i + 1], indices[i + 2]],
-                Mode::TriangleFan => [indices[0], indices[i + 1], indices[i + 2]],
+            let mut triangle = match mode {
+                STRIP if i % 2 == 1 => [indices[i + 1], indices[i], indices[i + 2]],
+                STRIP => [indices[i], indices[i + 1], indices[i + 2]],
+                FAN => [indices[0], indices[i + 1], indices[i + 2]],
                 _ => [indices[3 * i], indices[3 * i + 1], indices[3 * i + 2]],
             };
             if mirrored {

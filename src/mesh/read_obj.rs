@@ -4,6 +4,7 @@
 //! must stay, for it is written again; and the format is a few kinds of lines.
 
 use super::read::{Source, Wrong};
+use super::text::{line_length, number as parse_number};
 use super::{Corner, Face, Mesh};
 use std::borrow::Cow;
 
@@ -19,17 +20,32 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
     while at < bytes.len() {
         let line = logical_line(bytes, &mut at, &mut number);
         let line = String::from_utf8_lossy(&line);
-        reader.line(&line).map_err(|wrong| format!("line {number}: {wrong}"))?;
+        let last = at == bytes.len() && !bytes.ends_with(b"\n") && !bytes.ends_with(b"\r");
+        let shape = reader.shape;
+        reader.line(&line).map_err(|wrong| match last {
+            true => format!("line {number}, where the file ends: {wrong}"),
+            false => format!("line {number}: {wrong}"),
+        })?;
+        if last && reader.seems_cut(&line, shape) {
+            source.notes.push(format!(
+                "The file ends within line {number}, which is unlike those before it: it may have been cut off."
+            ));
+        }
         if number.is_multiple_of(1 << 16) {
             (source.progress)(at, bytes.len());
         }
     }
-    for (what, count) in
-        [("lines and points", reader.lines), ("curves and free-form surfaces", reader.curves)]
-    {
+    for (what, count) in [
+        ("lines and points", reader.lines),
+        ("curves and free-form surfaces", reader.curves),
+        ("statements that call other files", reader.calls),
+    ] {
         if count > 0 {
             source.notes.push(format!("{count} {what} were left out: only faces are read."));
         }
+    }
+    if reader.colours {
+        source.notes.push("The colours of vertices were left out.".into());
     }
     if reader.small > 0 {
         source.notes.push(format!("{} faces with fewer than three corners were left out.", reader.small));
@@ -40,16 +56,19 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
     Ok(reader.finish())
 }
 
-/// The next line, joined with those after it while it ends in a backslash; and the number of its last.
+/// The next line, joined with those after it while it ends in a backslash; and the number of its last. A comment goes to the end
+/// of its own line: in `# from C:\models\` the backslash joins nothing.
 fn logical_line<'a>(bytes: &'a [u8], at: &mut usize, number: &mut usize) -> Cow<'a, [u8]> {
     let mut joined: Option<Vec<u8>> = None;
     loop {
         let rest = &bytes[*at..];
-        let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
-        *at += (end + 1).min(rest.len());
+        let length = line_length(rest);
+        *at += length;
         *number += 1;
-        let line = rest[..end].trim_ascii_end();
-        let more = line.strip_suffix(b"\\").filter(|_| *at < bytes.len());
+        let line = rest[..length].trim_ascii_end();
+        let comment = line.windows(2).any(|pair| pair[1] == b'#' && pair[0].is_ascii_whitespace())
+            || line.starts_with(b"#") && joined.is_none();
+        let more = line.strip_suffix(b"\\").filter(|_| *at < bytes.len() && !comment);
         match (&mut joined, more) {
             (None, None) => return Cow::Borrowed(line),
             (None, Some(part)) => joined = Some([part, b" "].concat()),
@@ -73,15 +92,26 @@ struct Reader {
     runs: Vec<(usize, Names)>,
     lines: usize,
     curves: usize,
+    calls: usize,
     small: usize,
+    colours: bool,
+    /// Of the last face: how many corners it has, and whether its last one has a uv and a normal.
+    shape: Option<Shape>,
 }
+
+type Shape = (usize, bool, bool);
 
 impl Reader {
     fn line(&mut self, line: &str) -> Result<(), Wrong> {
         let line = line.trim_start();
         let (word, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
         match word {
-            "v" => self.mesh.points.push(numbers(word, rest, 3)?),
+            "v" => {
+                // Three more are a colour; a fourth alone is a weight, which polygons have no use for.
+                let values = rest.split_ascii_whitespace().take_while(|part| !part.starts_with('#'));
+                self.colours = self.colours || values.count() >= 6;
+                self.mesh.points.push(numbers(word, rest, 3)?);
+            }
             "vn" => self.mesh.normals.push(numbers(word, rest, 3)?),
             "vt" => self.mesh.uvs.push(numbers(word, rest, 1)?),
             "f" | "fo" => self.face(rest)?,
@@ -89,8 +119,9 @@ impl Reader {
             "o" => self.name(1, rest),
             "g" => self.name(2, rest),
             "l" | "p" => self.lines += 1,
-            "curv" | "curv2" | "surf" => self.curves += 1,
-            // Comments, smoothing groups, libraries of materials, attributes of curves.
+            "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" | "res" => self.curves += 1,
+            "call" => self.calls += 1,
+            // Comments, smoothing groups, libraries of materials, points and attributes of curves.
             _ => {}
         }
         Ok(())
@@ -113,6 +144,8 @@ impl Reader {
             let mut parts = text.split('/');
             let mut index = |count: usize, what: &str| match parts.next() {
                 None | Some("") => Ok(None),
+                // Indices begin at 1: some programs write a 0 for a uv or a normal that is not there.
+                Some("0") if what != "vertex" => Ok(None),
                 Some(part) => {
                     index(part, count).map(Some).map_err(|why| format!("the face's {what} `{part}` {why}"))
                 }
@@ -124,6 +157,7 @@ impl Reader {
             self.mesh.corners.push(Corner { point, normal, uv });
         }
         let corners = self.mesh.corners.len() - first;
+        self.shape = self.mesh.corners.last().map(|c| (corners, c.uv.is_some(), c.normal.is_some()));
         if corners < 3 {
             self.small += 1;
             self.mesh.corners.truncate(first);
@@ -135,6 +169,17 @@ impl Reader {
         let first = u32::try_from(first).map_err(|_| "there are more than 4 billion corners")?;
         self.mesh.faces.push(Face { first, corners: corners as u32, surface: 0 });
         Ok(())
+    }
+
+    /// Whether the last line, which has no end, is such that something of it is likely to be missing. (Many whole files have no
+    /// line break at their end.) `shape` is that of the face before it.
+    fn seems_cut(&self, line: &str, shape: Option<Shape>) -> bool {
+        match line.trim_start().split_ascii_whitespace().next() {
+            Some("f" | "fo") => shape.is_some() && shape != self.shape,
+            // A vertex may be followed by nothing only in a file without faces.
+            Some("v" | "vt" | "vn") => !self.mesh.faces.is_empty(),
+            _ => false,
+        }
     }
 
     /// Numbers the surfaces: by material if any is named, else by object, else by group, in the order of their faces.
@@ -160,7 +205,7 @@ impl Reader {
 }
 
 /// The first numbers of a line, of which there must be so many; others are 0.
-fn numbers<const N: usize>(word: &str, rest: &str, least: usize) -> Result<[f32; N], Wrong> {
+fn numbers<const N: usize>(word: &str, rest: &str, least: usize) -> Result<[f64; N], Wrong> {
     let mut numbers = [0.0; N];
     let mut parts = rest.split_ascii_whitespace();
     for (i, number) in numbers.iter_mut().enumerate() {
@@ -171,7 +216,9 @@ fn numbers<const N: usize>(word: &str, rest: &str, least: usize) -> Result<[f32;
                 Ok(numbers)
             };
         };
-        *number = part.parse().map_err(|_| format!("`{}` is no number", part.escape_debug()))?;
+        // A comment may follow without a blank; but 1.#INF is a number.
+        let value = parse_number(part).or_else(|| parse_number(part.split_once('#')?.0));
+        *number = value.ok_or_else(|| format!("`{}` is no number", part.escape_debug()))?;
     }
     Ok(numbers)
 }

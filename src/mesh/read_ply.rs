@@ -5,7 +5,9 @@
 
 use super::ply_header::{Element, Encoding, Header, Kind, Property};
 use super::read::{Source, Wrong, reserve};
+use super::text::{line_length, number};
 use super::{Corner, Face, Mesh};
+use std::cmp::Ordering;
 
 /// The names of properties that are coordinates of textures, in pairs.
 const UVS: [[&str; 2]; 4] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
@@ -13,9 +15,22 @@ const UVS: [[&str; 2]; 4] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"],
 /// Reads a mesh.
 pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
     let header = Header::read(source.bytes)?;
-    let mut data = Data { rest: &source.bytes[header.length..], encoding: header.encoding };
-    let mut builder = Builder { mesh: Mesh::default(), surfaces: header.surfaces, per_vertex: [false; 2] };
+    let rest = &source.bytes[header.length..];
+    let mut data = Data { rest, encoding: header.encoding, rows: Rows::Free };
+    if header.encoding == Encoding::Text {
+        let lines = text_lines(rest);
+        let entries = header.elements.iter().filter(|e| !e.properties.is_empty());
+        let entries = entries.fold(0, |sum: usize, e| sum.saturating_add(e.count));
+        data.rows = match lines.cmp(&entries) {
+            Ordering::Less => Rows::Free,
+            Ordering::Equal => Rows::Lines,
+            Ordering::Greater => Rows::Begin,
+        };
+    }
+    let mut builder = Builder::new(&header);
     let mut row = Row::default();
+    // How many lines had more numbers, and the first of those.
+    let mut longer: (usize, Option<String>) = (0, None);
     for element in &header.elements {
         if element.properties.is_empty() {
             continue;
@@ -31,6 +46,10 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
         builder.begin(&plan, element.count)?;
         for number in 0..element.count {
             row.read(&mut data, element).map_err(|w| wrong(number + 1, w))?;
+            if data.finish_row() {
+                longer.0 += 1;
+                longer.1.get_or_insert_with(|| format!("{} {}", element.name, number + 1));
+            }
             builder.take(&plan, &row).map_err(|w| wrong(number + 1, w))?;
             if number.is_multiple_of(1 << 16) {
                 (source.progress)(source.bytes.len() - data.rest.len(), source.bytes.len());
@@ -40,7 +59,34 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
     if builder.mesh.points.is_empty() {
         return Err("there is no vertex in it".into());
     }
+    if let (count, Some(first)) = longer {
+        source.notes.push(format!(
+            "{count} lines have more numbers than the header says, which were left out; the first is {first}."
+        ));
+    }
+    if builder.small > 0 {
+        source.notes.push(format!("{} faces with fewer than three corners were left out.", builder.small));
+    }
+    if header.elements.iter().any(|e| e.name == "vertex" && e.place("red", false).is_some()) {
+        source.notes.push("The colours of vertices were left out.".into());
+    }
     Ok(builder.finish())
+}
+
+/// How entries lie in the lines of a text file. The format has one entry in each line, but not all programs do.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Rows {
+    /// There are fewer lines than entries (or the file is binary): line breaks mean nothing.
+    Free,
+    /// As many lines as entries: each is a line. What follows in the line was not announced.
+    Lines,
+    /// More lines than entries: each begins a line, and may go on in the next one.
+    Begin,
+}
+
+/// How many lines there are in which there is something.
+fn text_lines(bytes: &[u8]) -> usize {
+    bytes.split(|&b| b == b'\n' || b == b'\r').filter(|line| !line.trim_ascii().is_empty()).count()
 }
 
 /// The values of one entry: of property `i` those from `starts[i]` up to `starts[i + 1]`.
@@ -54,6 +100,7 @@ impl Row {
     fn read(&mut self, data: &mut Data<'_>, element: &Element) -> Result<(), Wrong> {
         self.values.clear();
         self.starts.clear();
+        data.start_row();
         for property in &element.properties {
             self.starts.push(self.values.len());
             let count = match property.count {
@@ -76,8 +123,8 @@ impl Row {
         &self.values[self.starts[property]..self.starts[property + 1]]
     }
 
-    fn scalar(&self, property: usize) -> f32 {
-        self.of(property).first().copied().unwrap_or(0.0) as f32
+    fn scalar(&self, property: usize) -> f64 {
+        self.of(property).first().copied().unwrap_or(0.0)
     }
 }
 
@@ -85,19 +132,41 @@ impl Row {
 struct Data<'a> {
     rest: &'a [u8],
     encoding: Encoding,
+    rows: Rows,
 }
 
 impl Data<'_> {
+    /// Goes to where the next entry begins.
+    fn start_row(&mut self) {
+        if self.encoding == Encoding::Text {
+            self.rest = self.rest.trim_ascii_start();
+        }
+    }
+
+    /// Goes to the end of the line, if that ends an entry: whether there were more numbers in it.
+    fn finish_row(&mut self) -> bool {
+        if self.rows == Rows::Free {
+            return false;
+        }
+        let (line, rest) = self.rest.split_at(line_length(self.rest));
+        self.rest = rest;
+        !line.trim_ascii().is_empty()
+    }
+
     fn next(&mut self, kind: Kind) -> Result<f64, Wrong> {
         if self.encoding == Encoding::Text {
             let text = self.rest.trim_ascii_start();
+            let blank = &self.rest[..self.rest.len() - text.len()];
+            if self.rows == Rows::Lines && !text.is_empty() && blank.iter().any(|b| b"\r\n".contains(b)) {
+                return Err("its line has fewer numbers than the header says".into());
+            }
             let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
             let (word, rest) = text.split_at(end);
             self.rest = rest;
             if word.is_empty() {
                 return Err("the file ends here".into());
             }
-            let number = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+            let number = str::from_utf8(word).ok().and_then(number);
             return number.ok_or_else(|| format!("`{}` is no number", word.escape_ascii()));
         }
         let (bytes, rest) = self.rest.split_at_checked(kind.size()).ok_or("the file ends here")?;
@@ -131,11 +200,11 @@ impl Plan {
                 let uv = UVS.into_iter().find_map(two);
                 Plan::Vertex { point, normal: three(["nx", "ny", "nz"]), uv }
             }
-            ("face", _, Some(vertices)) => {
+            ("tristrips", _, Some(vertices)) => Plan::Strips { vertices },
+            (_, _, Some(vertices)) => {
                 let surface = scalar("surface").or(scalar("material_index"));
                 Plan::Face { vertices, uvs: list(&["texcoord"]), surface }
             }
-            ("tristrips", _, Some(vertices)) => Plan::Strips { vertices },
             _ => Plan::Skip,
         }
     }
@@ -147,13 +216,24 @@ struct Builder {
     surfaces: Vec<String>,
     /// Has each vertex a normal, a uv?
     per_vertex: [bool; 2],
+    /// How many faces had too few corners.
+    small: usize,
 }
 
 impl Builder {
+    fn new(header: &Header) -> Builder {
+        // Faces may come before the vertices.
+        let per_vertex = header.elements.iter().find_map(|element| match Plan::new(element) {
+            Plan::Vertex { normal, uv, .. } => Some([normal.is_some(), uv.is_some()]),
+            _ => None,
+        });
+        let surfaces = header.surfaces.clone();
+        Builder { mesh: Mesh::default(), surfaces, per_vertex: per_vertex.unwrap_or_default(), small: 0 }
+    }
+
     fn begin(&mut self, plan: &Plan, count: usize) -> Result<(), Wrong> {
         match plan {
             Plan::Vertex { normal, uv, .. } => {
-                self.per_vertex = [normal.is_some(), uv.is_some()];
                 reserve(&mut self.mesh.points, count)?;
                 reserve(&mut self.mesh.normals, if normal.is_some() { count } else { 0 })?;
                 reserve(&mut self.mesh.uvs, if uv.is_some() { count } else { 0 })
@@ -197,6 +277,7 @@ impl Builder {
     /// Adds a face, unless it has too few corners to be one. `uvs` are its own, two numbers a corner.
     fn face(&mut self, vertices: &[f64], uvs: Option<&[f64]>, surface: u32) -> Result<(), Wrong> {
         if vertices.len() < 3 {
+            self.small += 1;
             return Ok(());
         }
         let mesh = &mut self.mesh;
@@ -208,7 +289,7 @@ impl Builder {
             let point = vertex as u32;
             let uv = match uvs {
                 Some(uvs) => {
-                    mesh.uvs.push([uvs[2 * i] as f32, uvs[2 * i + 1] as f32]);
+                    mesh.uvs.push([uvs[2 * i], uvs[2 * i + 1]]);
                     Some(mesh.uvs.len() as u32 - 1)
                 }
                 None => self.per_vertex[1].then_some(point),

@@ -1,5 +1,6 @@
 //! glTF 2.0 in one binary file.
 
+use super::Corner;
 use super::Mesh;
 use super::cut::Cutter;
 use super::split::{Split, split};
@@ -25,8 +26,14 @@ pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
     }
 
     let mut data = Data { bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() };
-    let [low, high] = mesh.bounds().unwrap_or_default();
-    let points = vertices.iter().flat_map(|v| mesh.points[v.point as usize]);
+    let translation = translation(mesh);
+    let local = |v: &Corner| {
+        let point = mesh.points[v.point as usize];
+        [0, 1, 2].map(|i| (point[i] - translation[i]) as f32)
+    };
+    let bounds = mesh.bounds().unwrap_or_default();
+    let [low, high] = bounds.map(|end| [0, 1, 2].map(|i| (end[i] - translation[i]) as f32));
+    let points = vertices.iter().flat_map(local);
     let mut attributes = serde_json::Map::new();
     let place = data.add(points.map(f32::to_bits), VERTICES, F32, "VEC3");
     data.accessors[place]["min"] = json!(low);
@@ -36,14 +43,14 @@ pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
         // A vertex of no face has none, but there must be one.
         let normal = |i: Option<u32>| i.map_or([0.0, 0.0, 1.0], |i| mesh.normals[i as usize]);
         let normals = vertices.iter().flat_map(|v| normal(v.normal));
-        let place = data.add(normals.map(f32::to_bits), VERTICES, F32, "VEC3");
+        let place = data.add(normals.map(|c| (c as f32).to_bits()), VERTICES, F32, "VEC3");
         attributes.insert("NORMAL".into(), place.into());
     }
     if mesh.corners.iter().any(|c| c.uv.is_some()) {
         // The format has v down.
         let uv = |i: Option<u32>| i.map_or([0.0, 1.0], |i| mesh.uvs[i as usize]);
         let uvs = vertices.iter().map(|v| uv(v.uv)).flat_map(|[u, v]| [u, 1.0 - v]);
-        let place = data.add(uvs.map(f32::to_bits), VERTICES, F32, "VEC2");
+        let place = data.add(uvs.map(|c| (c as f32).to_bits()), VERTICES, F32, "VEC2");
         attributes.insert("TEXCOORD_0".into(), place.into());
     }
     let several = mesh.surfaces.len() > 1;
@@ -68,6 +75,9 @@ pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
         "bufferViews": data.views,
         "buffers": [{ "byteLength": data.bytes.len() }],
     });
+    if translation != [0.0; 3] {
+        root["nodes"][0]["translation"] = json!(translation);
+    }
     if several {
         let material = |i| json!({ "name": mesh.line_of(i), "doubleSided": true });
         root["materials"] = (0..mesh.surfaces.len()).map(material).collect::<Value>();
@@ -88,6 +98,16 @@ pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
         file.extend(chunk);
     }
     Ok(file)
+}
+
+/// Where the node is that has the points: not at the origin if points are so far from it that floats lose their shape. Each
+/// coordinate is a float, so that every reader takes the same.
+fn translation(mesh: &Mesh) -> [f64; 3] {
+    if mesh.fits_singles() {
+        return [0.0; 3];
+    }
+    let side = mesh.longest_side();
+    mesh.middle().map(|c| if c.abs() > side { f64::from(c as f32) } else { 0.0 })
 }
 
 /// The binary part of the file, and what describes it.

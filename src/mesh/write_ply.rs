@@ -4,7 +4,7 @@ use super::Mesh;
 use super::split::{Split, split};
 use std::io::{self, Write};
 
-/// Writes a mesh as little-endian PLY. A vertex without a normal, where others have one, gets a normal of 0 0 0.
+/// Writes a mesh as little-endian PLY: points as doubles if a float loses a digit of one, all else as floats. A vertex without a normal, where others have one, gets a normal of 0 0 0.
 ///
 /// PLY has no names for parts: several surfaces become a number at each face, and comments with their names.
 pub(super) fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
@@ -19,8 +19,11 @@ pub(super) fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "comment surface {}", mesh.line_of(surface))?;
     }
     writeln!(out, "element vertex {}", vertices.len())?;
-    let properties = ["x", "y", "z"].iter().chain(["nx", "ny", "nz"].iter().filter(|_| normals));
-    for name in properties.chain(["s", "t"].iter().filter(|_| uvs)) {
+    let precise = !mesh.fits_singles();
+    for name in ["x", "y", "z"] {
+        writeln!(out, "property {} {name}", if precise { "double" } else { "float" })?;
+    }
+    for name in ["nx", "ny", "nz"].iter().filter(|_| normals).chain(["s", "t"].iter().filter(|_| uvs)) {
         writeln!(out, "property float {name}")?;
     }
     writeln!(out, "element face {}", mesh.faces.len())?;
@@ -30,14 +33,19 @@ pub(super) fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     }
     writeln!(out, "end_header")?;
 
-    let mut put = |numbers: &[f32]| numbers.iter().try_for_each(|x| out.write_all(&x.to_le_bytes()));
+    let mut put = |numbers: &[f64], precise: bool| {
+        numbers.iter().try_for_each(|&x| match precise {
+            true => out.write_all(&x.to_le_bytes()),
+            false => out.write_all(&(x as f32).to_le_bytes()),
+        })
+    };
     for vertex in &vertices {
-        put(&mesh.points[vertex.point as usize])?;
+        put(&mesh.points[vertex.point as usize], precise)?;
         if normals {
-            put(&vertex.normal.map_or([0.0; 3], |i| mesh.normals[i as usize]))?;
+            put(&vertex.normal.map_or([0.0; 3], |i| mesh.normals[i as usize]), false)?;
         }
         if uvs {
-            put(&vertex.uv.map_or([0.0; 2], |i| mesh.uvs[i as usize]))?;
+            put(&vertex.uv.map_or([0.0; 2], |i| mesh.uvs[i as usize]), false)?;
         }
     }
     for face in &mesh.faces {

@@ -55,7 +55,8 @@ impl Camera {
             }
         }
         let forward = look_at - eye;
-        if forward.length() <= 1e-9 * eye.length().max(1.0) {
+        // Relative to the points: a mesh may have a size of any magnitude.
+        if forward.length() <= 1e-9 * eye.length().max(look_at.length()) {
             return Err(SceneError::NoDirection { point: eye.to_array() });
         }
         let forward = forward.normalize();
@@ -70,6 +71,11 @@ impl Camera {
             None => (frame[0] / size[0]).max(frame[1] / size[1]),
         };
         Ok(Camera { eye, forward, right, up, step, size })
+    }
+
+    /// The same camera seen from an origin that lies `by` farther back: that of the world, for a mesh with a local one.
+    pub fn moved(&self, by: DVec3) -> Camera {
+        Camera { eye: self.eye + by, ..self.clone() }
     }
 
     /// The matrices from the world, a scene so many times as large, to the camera and to the screen.

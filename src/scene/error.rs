@@ -56,6 +56,8 @@ pub enum SceneError {
     },
     /// A mesh without faces.
     NoFaces,
+    /// A mesh of more triangles than 32 bits can number.
+    TooManyTriangles,
     /// The scene needs the origin before the eye.
     OriginBehind,
     /// A text that should be a size or a point.
@@ -89,6 +91,7 @@ impl SceneError {
             BadScale(scale) => format!("a scene cannot be scaled by {scale}"),
             EyeInside { what, .. } => format!("the eye is in the {what}"),
             NoFaces => "the mesh has no faces with an area, so there is nothing to be seen".into(),
+            TooManyTriangles => "the mesh has more than 4 billion triangles".into(),
             OriginBehind => "the scene's card goes through the origin, which is not before the eye".into(),
             BadText { text, .. } if text.trim().is_empty() => "there is nothing to read".into(),
             BadText { text, .. } => format!("`{text}` cannot be read"),
@@ -112,6 +115,7 @@ impl SceneError {
             BadScale(_) => "give a number from 0.001 to 1000".into(),
             EyeInside { instead, .. } => format!("move it out, for example to {}", Point(*instead)),
             NoFaces => "give a mesh with polygons; points and lines alone are not shown".into(),
+            TooManyTriangles => "give a coarser mesh".into(),
             OriginBehind => "look towards 0,0,0, or step back from it".into(),
             BadText { expected, .. } => format!("give {expected}"),
         }
@@ -125,6 +129,19 @@ impl SceneError {
                 *limit *= scale;
             }
             SceneError::NoDirection { point } => *point = point.map(|c| c * scale),
+            _ => {}
+        }
+        self
+    }
+
+    /// The same with its points moved from a local origin to the world.
+    pub(super) fn moved(mut self, origin: glam::DVec3) -> SceneError {
+        match &mut self {
+            SceneError::BadPoint { point, limit, .. } => {
+                *point = (glam::DVec3::from(*point) + origin).to_array();
+                *limit += origin.abs().max_element();
+            }
+            SceneError::NoDirection { point } => *point = (glam::DVec3::from(*point) + origin).to_array(),
             _ => {}
         }
         self

@@ -155,7 +155,8 @@ impl Renderer {
             })
             .collect();
         let mut metadata = Metadata::default();
-        let [camera, screen] = self.view.camera.spaces(self.view.scale);
+        let camera = self.view.camera.moved(self.view.origin);
+        let [camera, screen] = camera.spaces(self.view.scale);
         metadata.attributes.set_matrix("worldToCamera", &camera);
         metadata.attributes.set_matrix("worldToNDC", &screen);
         if rows != (0..height) {
@@ -184,6 +185,8 @@ enum Seen {
 /// A scene with a camera before it.
 pub(super) struct View {
     pub camera: Camera,
+    /// Where the origin of the camera and of hits is in the world: not 0 for a mesh far away.
+    origin: DVec3,
     seen: Seen,
     scale: f64,
     /// The sphere whose far side is wanted.
@@ -205,19 +208,22 @@ impl View {
             return Err(SceneError::EyeInside { what: scene.surfaces[i], instead });
         }
         let exit = scene.exits.then_some(Sphere { center: DVec3::ZERO, radius: 1.0 });
-        Ok(View { camera, seen: Seen::Surfaces(world), scale, exit })
+        Ok(View { camera, origin: DVec3::ZERO, seen: Seen::Surfaces(world), scale, exit })
     }
 
     /// A mesh. By default it is seen from before it, a little from the right and from above, and just fits.
     pub fn of_model(model: &Arc<Model>, options: &Options) -> Result<View, SceneError> {
         let scale = scale(options)?;
-        let (center, radius) = (model.center(), model.radius());
-        let [eye, look_at] = places(options, center + radius * DVec3::new(1.2, -3.6, 1.0), center);
+        let (origin, center, radius) = (model.origin(), model.center(), model.radius());
+        // Points that are given are those of the world.
+        let [eye, look_at] =
+            [(options.eye, center + radius * DVec3::new(1.2, -3.6, 1.0)), (options.look_at, center)]
+                .map(|(given, default)| given.map_or(default, |p| DVec3::from(p) / scale - origin));
         let limit = camera::LIMIT.max(center.abs().max_element() + 1e3 * radius);
         let frame = model.frame(eye, look_at);
         let camera = Camera::within(limit, eye, look_at, options.fov, frame, [options.width, options.height])
-            .map_err(|error| error.scaled(scale))?;
-        Ok(View { camera, seen: Seen::Model(Arc::clone(model)), scale, exit: None })
+            .map_err(|error| error.moved(origin).scaled(scale))?;
+        Ok(View { camera, origin, seen: Seen::Model(Arc::clone(model)), scale, exit: None })
     }
 
     /// The values at a place of the picture, in the order of the variables.
@@ -231,7 +237,8 @@ impl View {
 
         let s = self.scale;
         cells[0] = (surface + 1) as f64;
-        cells[1..4].copy_from_slice(&(hit.point * s).to_array());
+        // Only here the place in the world becomes an `f32`.
+        cells[1..4].copy_from_slice(&((hit.point + self.origin) * s).to_array());
         cells[4..7].copy_from_slice(&hit.normal.to_array());
         cells[7] = hit.distance * ray.direction.dot(self.camera.forward) * s;
         cells[8..10].copy_from_slice(&hit.uv.to_array());

@@ -33,6 +33,7 @@ mod scenes;
 mod sphere;
 mod spline;
 mod torus;
+mod tree;
 mod vase;
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 use super::cuboid::Cuboid;
 use super::error::SolidError;
 use super::field::{Bracket, Field, MANY, parts};
-use crate::mesh::{Corner, Face, Mesh};
+use crate::mesh::{Corner, Face, Mesh, decimal};
 use crate::program::Progress;
 use glam::{DVec3, UVec3};
 use transvoxel_data::regular_cell_data::{REGULAR_CELL_CLASS, REGULAR_CELL_DATA, REGULAR_VERTEX_DATA};
@@ -214,8 +214,8 @@ impl<'a, 'o> Maker<'a, 'o> {
                     (point, (-gradient).try_normalize().unwrap_or(across))
                 }
             };
-            self.mesh.points.push(point.as_vec3().to_array());
-            self.mesh.normals.push(normal.as_vec3().to_array());
+            self.mesh.points.push(point.as_vec3().to_array().map(decimal));
+            self.mesh.normals.push(normal.as_vec3().to_array().map(decimal));
         }
         Ok(())
     }
