@@ -202,6 +202,7 @@ impl Style {
 
 mod render {
     use super::{Diagnostic, Label, Severity, SourceId, Sources, Span, Style};
+    use crate::visible::{self, visible, visible_name};
     use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource};
     use std::borrow::Cow;
     use std::fmt;
@@ -286,14 +287,15 @@ mod render {
     /// Bytes of a sentence that are shown, at its beginning and at its end: names and values of megabytes may stand in it.
     const SENTENCE: [usize; 2] = [1000, 300];
 
-    /// A sentence without the middle that nobody reads.
+    /// A sentence without the middle that nobody reads, and without hidden characters.
     fn short(text: &str) -> Cow<'_, str> {
         let [first, last] = SENTENCE;
         if text.len() <= first + last {
-            return text.into();
+            return visible(text);
         }
         let whole = |at: usize| (at..text.len()).find(|&i| text.is_char_boundary(i)).unwrap_or(text.len());
-        format!("{} … {}", &text[..whole(first)], &text[whole(text.len() - last)..]).into()
+        let [first, last] = [&text[..whole(first)], &text[whole(text.len() - last)..]].map(visible);
+        format!("{first} … {last}").into()
     }
 
     pub(super) fn render(d: &Diagnostic, sources: &Sources, style: Style) -> String {
@@ -317,17 +319,20 @@ mod render {
             message += &format!(" (at pixel [{column} {row}])");
         }
         let shown = apart(&d.labels, sources);
+        let excerpt = |id: SourceId| visible::Excerpt::new(&sources.get(id).text);
         let of_source = |id: SourceId| -> Vec<LabeledSpan> {
+            let excerpt = excerpt(id);
             shown
                 .iter()
                 .filter(|l| l.span.source == id)
                 .enumerate()
                 .map(|(i, l)| {
                     let text = (!l.text.is_empty()).then(|| short(&l.text).into_owned());
-                    let length = (l.span.end - l.span.start) as usize;
+                    let [start, end] = [l.span.start, l.span.end].map(|byte| excerpt.place(byte as usize));
+                    let length = end - start;
                     // What is underlined is short, as what is shown is.
                     let long = length > MOST && !sources.text(l.span)[..].contains('\n');
-                    let range = (l.span.start as usize, if long { 1 } else { length });
+                    let range = (start, if long { 1 } else { length });
                     match i {
                         0 if Some(id) == primary => LabeledSpan::new_primary_with_span(text, range),
                         _ => LabeledSpan::new_with_span(text, range),
@@ -336,8 +341,8 @@ mod render {
                 .collect()
         };
         let named = |id: SourceId| {
-            let source = sources.get(id);
-            NamedSource::new(&source.name, Excerpt(source.text.to_string()))
+            let name = visible_name(&sources.get(id).name).into_owned();
+            NamedSource::new(name, Excerpt(excerpt(id).text.into_owned()))
         };
         let mut related = Vec::new();
         let mut seen: Vec<SourceId> = primary.into_iter().collect();
@@ -411,7 +416,7 @@ mod render {
             let short = written.chars().count() <= 40 && !written.contains('\n');
             let written = if short { written.to_string() } else { format!("{name}(…)") };
             let times = if *times > 1 { format!(", {times} times over") } else { String::new() };
-            let file = &sources.get(span.source).name;
+            let (written, file) = (visible(&written), visible_name(&sources.get(span.source).name));
             lines.push(format!("  in `{name}()`, called as `{written}` at {file}:{line}:{column}{times}\n"));
         }
         lines.concat()

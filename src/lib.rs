@@ -24,9 +24,12 @@ pub mod resolve;
 pub mod scene;
 pub mod shape;
 pub mod solid;
+mod spelling;
 pub mod syntax;
 pub mod texture;
 pub mod value;
+mod visible;
+mod vocabulary;
 
 pub use crate::diagnostic::{Diagnostic, Style};
 pub use crate::eval::{

@@ -1,8 +1,10 @@
 //! The `pse` command; what it does is in [`pse::cli`].
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    pse::cli::run(pse::cli::Cli::parse())
+    match pse::cli::parse() {
+        Ok(cli) => pse::cli::run(cli),
+        Err(status) => status,
+    }
 }

@@ -46,11 +46,18 @@ pub struct Compiler<'h> {
     functions: HostFunctions,
     value: Option<String>,
     entrance: Option<resolve::Entrance>,
+    doubt: &'h resolve::unknown::Doubt<'h>,
 }
 
 impl Default for Compiler<'_> {
     fn default() -> Self {
-        Compiler { host: &NoFiles, functions: HostFunctions::new(), value: None, entrance: None }
+        Compiler {
+            host: &NoFiles,
+            functions: HostFunctions::new(),
+            value: None,
+            entrance: None,
+            doubt: &resolve::unknown::usual,
+        }
     }
 }
 
@@ -99,6 +106,13 @@ impl<'h> Compiler<'h> {
         self
     }
 
+    /// What knows the image that the program is to run on. It is asked about the variables that a program with errors
+    /// reads and does not assign, so that all mistakes are reported in one go.
+    pub(crate) fn doubt(mut self, doubt: &'h resolve::unknown::Doubt<'h>) -> Compiler<'h> {
+        self.doubt = doubt;
+        self
+    }
+
     /// Compiles a program that messages call `name`.
     ///
     /// # Errors
@@ -111,6 +125,7 @@ impl<'h> Compiler<'h> {
             &self.functions,
             self.value.as_deref(),
             self.entrance.as_ref(),
+            self.doubt,
         ) {
             Ok(resolved) => Ok(Program { resolved }),
             Err((diagnostics, sources)) => Err(Error { diagnostics, sources, cancelled: false }),

@@ -20,6 +20,8 @@ mod flow;
 mod frames;
 #[path = "cli/job.rs"]
 mod job;
+#[path = "cli/messages.rs"]
+mod messages;
 #[path = "cli/noise.rs"]
 mod noise;
 #[path = "cli/outputs.rs"]

@@ -2,7 +2,7 @@
 //!
 //! It takes [`Entry`]s, so that functions written in the language itself are listed with the built-in ones.
 
-use super::{GROUPS, all};
+use super::GROUPS;
 use std::fmt::Write;
 
 /// A function as the reference shows it.
@@ -186,20 +186,9 @@ fn wrap(paragraph: &str) -> String {
     text
 }
 
-/// The built-in function whose name is most like a misspelt one; `None` if none is like it.
-pub fn nearest(name: &str) -> Option<&'static str> {
-    let likeness = |b: &'static super::Builtin| {
-        (strsim::jaro_winkler(&name.to_lowercase(), &b.name.to_lowercase()), b.name)
-    };
-    all()
-        .map(likeness)
-        .filter(|(like, _)| *like > 0.8)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::all;
     use super::*;
 
     #[test]
@@ -239,12 +228,5 @@ mod tests {
             unlinked("see [sum](#sum), [a b](a.md), `[1 2]`, [c](d)"),
             "see sum, a b, `[1 2]`, [c](d)"
         );
-    }
-
-    #[test]
-    fn misspelt_names_find_their_function() {
-        assert_eq!(nearest("noise"), Some("Noise"));
-        assert_eq!(nearest("smothstep"), Some("smoothstep"));
-        assert_eq!(nearest("qqq"), None);
     }
 }

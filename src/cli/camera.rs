@@ -185,8 +185,9 @@ pub(super) fn projection(
 
 fn resect(inputs: &Inputs) -> Result<Result<Resection, ResectionError>, Failure> {
     let numbered = matches!(inputs.find("surface"), Some(Ok(())));
-    let wanted = ["point", "surface"].map(String::from);
-    let mut reader = inputs.reader(None::<&Renderer>, &wanted[..1 + usize::from(numbered)], false)?;
+    let names: Vec<String> =
+        ["point", "surface"].map(String::from).into_iter().take(1 + usize::from(numbered)).collect();
+    let mut reader = inputs.reader(None::<&Renderer>, &names.into(), false)?;
     let about = reader.about().clone();
     let mut sampler = PointSampler::new(&about);
     for rows in bands(about.width, 0..about.height) {

@@ -1,18 +1,22 @@
 //! `pse check`: what is wrong with programs, without running them.
 
 use super::camera::CameraRequest;
-use super::failure::{Failure, style, warn};
+use super::failure::{Failure, style, warn, warn_rendered};
 use super::input::{InputArg, Inputs, MapArg};
+use super::known::Known;
 use super::scene::ViewArgs;
 use super::source;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::eval::no_eye;
 use crate::image::Image;
 use crate::program::{Error, Program};
-use crate::resolve::{is_standard_function, names, no_variable};
+use crate::resolve::tree::Resolved;
+use crate::resolve::{names, unknown};
 use crate::scene::{self, Options};
+use crate::syntax::MAX_ERRORS;
 use clap::Args;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Which programs, and what they are to fit.
 #[derive(Debug, Args)]
@@ -41,26 +45,18 @@ pub(super) struct CheckArgs {
     verbose: bool,
 }
 
-/// What the image of a program has.
-enum Known {
-    /// Nothing is known of it.
-    Usual,
-    /// Exactly these variables.
-    Scene(Vec<String>),
-    /// What these files have.
-    Files(Inputs),
-}
-
 /// Checks each of the programs.
 pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let known = match &args.scene {
         Some(name) => {
             let options = Options { width: 2, height: 2, ..Options::default() };
             let image = scene::render(name, &options)?;
-            Known::Scene(image.variables.iter().map(|v| v.name.clone()).collect())
+            let has = image.variables.iter().map(|v| v.name.clone()).collect();
+            let inputs = Arc::new(Inputs::none());
+            Known::Images { first: Some((format!("scene {name}"), has)), inputs }
         }
         None if args.input.is_empty() => Known::Usual,
-        None => Known::Files(Inputs::open(&args.input, &args.map, false, None)?),
+        None => Known::files(&args.input, &args.map)?,
     };
     let mut good = true;
     for path in &args.programs {
@@ -81,7 +77,8 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 
 fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(), Failure> {
     let (name, text) = source::read(path)?;
-    let program = source::compile(&name, &text, folders)?;
+    let doubt = |program: &Resolved, name: &str, span| known.doubt_before_run(program, name, span);
+    let program = source::compile_for(&name, &text, folders, &doubt)?;
     let diagnostics = doubts(&program, known);
     if diagnostics.is_empty() {
         return Ok(());
@@ -91,7 +88,7 @@ fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(),
     if bad {
         return Err(error.into());
     }
-    warn(error.render(style()).trim_end());
+    warn_rendered(error.render(style()).trim_end());
     Ok(())
 }
 
@@ -122,16 +119,8 @@ fn misspelt_outputs(program: &Program) -> Vec<Diagnostic> {
             let warning = Diagnostic::error("name", message, global.assigned?).warning();
             Some(warning.hint(format!("Did you mean `{near}`? If not, `--vars {name}` writes it.")))
         })
+        .take(MAX_ERRORS)
         .collect()
-}
-
-/// Is it known that the image has the variable?
-fn has(known: &Known, name: &str) -> bool {
-    match known {
-        Known::Usual => true,
-        Known::Scene(has) => has.iter().any(|v| v == name),
-        Known::Files(inputs) => matches!(inputs.find(name), Some(Ok(()))),
-    }
 }
 
 /// Why a program does not know the camera of its inputs; `None` if it does, or does not read it.
@@ -152,73 +141,20 @@ fn no_camera(program: &Program, inputs: &Inputs) -> Option<String> {
     }
 }
 
-/// What is to be said of the names that a program reads and does not assign.
+/// What is to be said of the names that a program reads and does not assign, of the first of them.
 fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
-    let mut list = Vec::new();
     // Why the camera is not known, if it is not.
     let camera = match known {
-        Known::Usual | Known::Scene(_) => None,
-        Known::Files(inputs) => no_camera(program, inputs),
+        Known::Images { first: None, inputs } => no_camera(program, inputs),
+        _ => None,
     };
-    for name in program.inputs() {
-        let global = program.resolved().globals.iter().find(|g| g.name == name && !g.library);
-        let Some(span) = global.and_then(|g| g.read) else { continue };
-        match name {
-            // A run may be told by `--space`.
-            "eye" if camera.is_some() => list.push(no_eye(span, camera.as_deref()).warning()),
-            // It is made of the points and the eye.
-            "I" if camera.is_none() && has(known, "point") => continue,
-            _ => {}
-        }
-        if names::constant(name).is_some() || names::is_system(name) {
-            continue;
-        }
-        let own = program.assigned().chain(program.resolved().params.iter().map(|p| p.name.as_str()));
-        let fixed = names::CONSTANTS.iter().map(|c| c.name).chain(names::SYSTEM.iter().map(|s| s.0));
-        let absent = |d: &str| Diagnostic::error("input", d.to_string(), span);
-        match known {
-            Known::Usual if names::USUAL_INPUTS.contains(&name) || name.contains('.') => {}
-            Known::Usual => {
-                if is_standard_function(name) {
-                    list.push(no_variable(name, span, false));
-                    continue;
-                }
-                let usual = names::USUAL_INPUTS.iter().copied();
-                if let Some(near) = names::nearest(name, own.chain(usual)) {
-                    let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span);
-                    list.push(error.hint(format!("Did you mean `{near}`?")));
-                    continue;
-                }
-                // An image may well have a `flame`, however much it looks like `frame`.
-                let warning =
-                    Diagnostic::error("name", format!("nothing in the program assigns `{name}`"), span)
-                        .hint("It runs on images that have a variable of that name.")
-                        .warning();
-                list.push(match names::nearest(name, fixed) {
-                    Some(near) => warning.hint(format!("Or did you mean `{near}`?")),
-                    None => warning,
-                });
-            }
-            Known::Scene(has) if has.iter().any(|v| v == name) => {}
-            Known::Scene(has) => {
-                let error = absent(&format!("the scene has no variable `{name}`"));
-                let near = names::nearest(name, own.chain(fixed).chain(has.iter().map(String::as_str)));
-                let error = match near {
-                    Some(near) => error.hint(format!("Did you mean `{near}`?")),
-                    None => error,
-                };
-                list.push(error.hint(format!("It has {}.", has.join(", "))));
-            }
-            Known::Files(inputs) => {
-                let (message, hints) = match inputs.find(name) {
-                    None => (format!("the input has no variable `{name}`"), inputs.missing(name)),
-                    Some(Ok(())) => continue,
-                    Some(Err(ambiguous)) => (ambiguous.message, ambiguous.hints),
-                };
-                let hints = hints.into_iter().chain(camera.clone().filter(|_| name == "I"));
-                list.push(hints.fold(absent(&message), Diagnostic::hint));
-            }
-        }
-    }
-    list
+    let program = program.resolved();
+    let doubt = |(name, span)| match name {
+        // A run may be told by `--space`.
+        "eye" => camera.as_deref().map(|why| no_eye(span, Some(why)).warning()),
+        // It is made of the points and the eye.
+        "I" if camera.is_none() && known.has("point") => None,
+        _ => known.doubt(program, name, span, camera.as_deref()),
+    };
+    unknown::unassigned(program).filter_map(doubt).take(MAX_ERRORS).collect()
 }

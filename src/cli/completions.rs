@@ -1,6 +1,6 @@
 //! `pse completions` and `pse man`: what shells and `man` need to know about the arguments.
 
-use super::failure::{Failure, print};
+use super::failure::{Failure, print_exact};
 use crate::image::write_file;
 use crate::{reference, scene};
 use clap::builder::PossibleValuesParser;
@@ -57,14 +57,14 @@ pub(super) fn completions(args: &CompletionsArgs) -> Result<(), Failure> {
     // To memory first: clap_complete panics where a pipe closes early.
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut command(), "pse", &mut script);
-    print(&String::from_utf8_lossy(&script))
+    print_exact(&String::from_utf8_lossy(&script))
 }
 
 /// Prints the page of the whole command, or writes a page for each command.
 pub(super) fn man(args: &ManArgs) -> Result<(), Failure> {
     let command = super::Cli::command();
     let Some(folder) = &args.output else {
-        return print(&String::from_utf8_lossy(&page(command, "pse")?));
+        return print_exact(&String::from_utf8_lossy(&page(command, "pse")?));
     };
     fs::create_dir_all(folder)
         .map_err(|e| Failure::plain(format!("cannot create the folder {}: {e}", folder.display())))?;

@@ -4,6 +4,7 @@ use super::failure::{Failure, print};
 use crate::builtin::reference;
 use crate::reference::{entries, names as names_by_group};
 use crate::resolve::{names, print as printing};
+use crate::vocabulary;
 use clap::Args;
 use std::fmt::Write;
 
@@ -68,6 +69,9 @@ pub(super) fn text(name: &str) -> Result<String, Failure> {
     }
     let known = entries.iter().map(|e| e.name.as_str()).chain(others().map(|(_, (n, _))| *n));
     let failure = Failure::plain(format!("there is no function or name {name}"));
+    if let Some(instead) = vocabulary::function(name) {
+        return Err(failure.hint(instead));
+    }
     Err(match names::nearest(name, known) {
         Some(near) => failure.hint(format!("Did you mean {near}?")),
         None => failure.hint("pse doc lists them all."),

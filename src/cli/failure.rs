@@ -4,6 +4,7 @@ use crate::diagnostic::{Diagnostic, Sources, Style};
 use crate::image::ImageError;
 use crate::program::Error;
 use crate::scene::SceneError;
+use crate::visible::{visible, visible_json};
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
@@ -62,6 +63,16 @@ impl Failure {
         self
     }
 
+    /// Adds a way to mend the first fault of a program.
+    pub fn hint_program(mut self, text: impl Into<String>) -> Failure {
+        if let Failure::Program(error) = &mut self
+            && let Some(first) = error.diagnostics.first_mut()
+        {
+            first.hints = vec![text.into()];
+        }
+        self
+    }
+
     /// Is it the fault of what is worked on, so that it may go better with the next frame?
     pub fn is_of_frame(&self) -> bool {
         matches!(self, Failure::Program(_) | Failure::Plain(_))
@@ -87,7 +98,7 @@ impl Failure {
                 warn("interrupted; the unfinished output was not written");
                 return ExitCode::from(INTERRUPTED);
             }
-            Failure::Program(error) => warn(error.render(style()).trim_end()),
+            Failure::Program(error) => warn_rendered(error.render(style()).trim_end()),
             Failure::Plain(diagnostic) => show(&diagnostic),
             Failure::Usage(diagnostic) => {
                 show(&diagnostic);
@@ -132,16 +143,36 @@ pub(super) fn style() -> Style {
 
 /// A message without a place in a program.
 pub(super) fn show(diagnostic: &Diagnostic) {
-    warn(diagnostic.render(&Sources::default(), style()).trim_end());
+    warn_rendered(diagnostic.render(&Sources::default(), style()).trim_end());
 }
 
-/// A line on standard error. If that is closed there is nobody to tell.
+/// A line on standard error, whose hidden characters are shown. If that is closed there is nobody to tell.
 pub(super) fn warn(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    warn_rendered(&visible(line));
 }
 
-/// A text on standard output, as it is.
+/// The like for messages that were rendered, in which the only hidden characters are those of colours.
+pub(super) fn warn_rendered(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// A text for people on standard output, whose hidden characters are shown.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
+    print_rendered(&visible(text))
+}
+
+/// JSON on standard output, with escapes for what is hidden in its strings.
+pub(super) fn print_json(text: &str) -> Result<(), Failure> {
+    print_rendered(&visible_json(text))
+}
+
+/// A text for programs on standard output: as it is, unless that is a terminal.
+pub(super) fn print_exact(text: &str) -> Result<(), Failure> {
+    if io::stdout().is_terminal() { print(text) } else { print_rendered(text) }
+}
+
+/// A text on standard output in which the only hidden characters are those of colours.
+pub(super) fn print_rendered(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|e| match e.kind() {
         io::ErrorKind::BrokenPipe => Failure::BrokenPipe,

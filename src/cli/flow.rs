@@ -3,7 +3,7 @@
 use super::camera;
 use super::failure::{Failure, warn};
 use super::frames::{self, Chosen, Frame, FrameArg, Frames};
-use super::input::{ImageArgs, Inputs};
+use super::input::{ImageArgs, Inputs, Wanted};
 use super::interrupt::{self, CANCEL};
 use super::output;
 use super::progress::{Meter, Style};
@@ -310,7 +310,7 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
     }
     let inputs = Inputs::open(&args.images.input, &args.images.map, false, frame.number)?;
     let renderer = scene(&args.images)?.map(|seen| view.renderer(&seen, frame.number, false)).transpose()?;
-    let wanted = ["surface", "point", "depth"].map(String::from);
+    let wanted = Wanted { names: vec!["point".into()], aids: vec!["surface".into(), "depth".into()] };
     let mut reader = inputs.reader(renderer.as_ref(), &wanted, false)?;
     let rows = 0..reader.about().height;
     let image = reader.read(rows)?;

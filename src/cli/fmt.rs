@@ -1,6 +1,6 @@
 //! `pse fmt`: programs in their canonical form.
 
-use super::failure::{Failure, print};
+use super::failure::{Failure, print, print_exact};
 use super::source::read;
 use crate::diagnostic::Sources;
 use crate::image::write_program;
@@ -60,7 +60,7 @@ fn one(path: &Path, check: bool) -> Result<bool, Failure> {
         return Ok(formatted == text);
     }
     if path.as_os_str() == "-" {
-        print(&formatted)?;
+        print_exact(&formatted)?;
     } else if formatted != text {
         write_program(path, &formatted)?;
     }

@@ -9,6 +9,7 @@ use crate::gbuffer::{JumpCounter, PointSampler};
 use crate::image::{File, Image, Input, ReadOptions, info as image_info, read};
 use crate::mesh::{Format, Mesh, shortest};
 use crate::shape::Shape;
+use crate::visible::visible_name;
 use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -114,7 +115,7 @@ fn about_mesh(path: &Path, mesh: &Mesh) -> String {
     }
     for (i, name) in mesh.surfaces.iter().enumerate() {
         let faces = mesh.faces.iter().filter(|f| f.surface as usize == i).count();
-        line("surface", format!("{} is {name}, {faces} faces", i + 1));
+        line("surface", format!("{} is {}, {faces} faces", i + 1, visible_name(name)));
     }
     text
 }

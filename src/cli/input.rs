@@ -5,7 +5,9 @@ use super::failure::Failure;
 use super::frames::{self, FrameSource};
 use super::region::Region;
 use super::scene::ViewArgs;
+use crate::eval::NO_IMAGE;
 use crate::image::{ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, Rows, read};
+use crate::resolve::names::component;
 use crate::scene::Renderer;
 use crate::solid::Isosurface;
 use clap::Args;
@@ -114,6 +116,21 @@ impl ImageArgs {
     }
 }
 
+/// The failure to read an image, with a hint if its name is that of something else.
+fn of_another_kind(failure: Failure, path: &Path) -> Failure {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let shown = path.display();
+    match extension.as_str() {
+        "obj" | "ply" | "gltf" | "glb" => failure.hint(format!("It is a mesh: give it with --mesh {shown}.")),
+        "pse" => failure.hint(format!("It is a program, which comes without an option: pse run {shown}.")),
+        _ => failure,
+    }
+}
+
+fn is_component(member: &str) -> bool {
+    component(member).is_some()
+}
+
 /// An image whose header has been read.
 pub(super) struct Opened {
     /// Its name in the program.
@@ -220,6 +237,29 @@ fn same_window(first: &str, one: &Image<'_>, name: &str, other: &Image<'_>) -> R
         .hint("A program sees one pixel of each at a time, so their windows must agree."))
 }
 
+/// The variables to read from images.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Wanted {
+    /// Those that the program may see.
+    pub names: Vec<String>,
+    /// Those that only help, as `surface` tells which neighbours count: they are read where it is clear which channels
+    /// they are.
+    pub aids: Vec<String>,
+}
+
+impl Wanted {
+    /// All names, and whether the program needs them.
+    pub fn all(&self) -> impl Iterator<Item = (&String, bool)> {
+        self.names.iter().map(|name| (name, true)).chain(self.aids.iter().map(|name| (name, false)))
+    }
+}
+
+impl From<Vec<String>> for Wanted {
+    fn from(names: Vec<String>) -> Wanted {
+        Wanted { names, aids: Vec::new() }
+    }
+}
+
 /// The images of a run.
 pub(super) struct Inputs {
     /// In the order of the arguments.
@@ -264,11 +304,17 @@ impl Inputs {
             let path = frames::input(&arg.path, frame);
             let own = |m: &&MapArg| m.image == arg.name;
             let maps = maps.iter().filter(own).map(|m| m.mapping.clone()).collect();
-            let file = read(source(&path)?, &ReadOptions { maps, raw })?;
+            let file = read(source(&path)?, &ReadOptions { maps, raw })
+                .map_err(|error| of_another_kind(error.into(), &path))?;
             let of_sequence = frames::has_pattern(&arg.path);
             list.push(Opened { name: arg.name.clone(), file, of_sequence });
         }
         Ok(Inputs { list, resection: OnceLock::new() })
+    }
+
+    /// No images.
+    pub fn none() -> Inputs {
+        Inputs { list: Vec::new(), resection: OnceLock::new() }
     }
 
     /// The names of all variables that can be read, as programs call them.
@@ -286,7 +332,7 @@ impl Inputs {
     pub fn reader<'i>(
         &'i self,
         scene: Option<impl Into<Finder<'i>>>,
-        wanted: &[String],
+        wanted: &Wanted,
         alpha: bool,
     ) -> Result<Reader<'i>, Failure> {
         let scene: Option<Finder<'i>> = scene.map(Into::into);
@@ -300,7 +346,7 @@ impl Inputs {
         }
         for Opened { name, file, .. } in &self.list {
             let mut names = Vec::new();
-            for full in wanted {
+            for (full, needed) in wanted.all() {
                 let own = match name {
                     Some(name) => full.strip_prefix(name.as_str()).and_then(|rest| rest.strip_prefix('.')),
                     // Of two unnamed images that have a variable, the first gives it. One with a point in its name is of
@@ -311,12 +357,14 @@ impl Inputs {
                 match file.find(own) {
                     Ok(_) => names.push((own, full.as_str())),
                     Err(e) if e.kind == ErrorKind::Missing => {}
+                    // Nobody is blamed for what the program does not read.
+                    Err(e) if e.kind == ErrorKind::Ambiguous && !needed => {}
                     Err(e) => return Err(e.into()),
                 }
             }
             // What only goes with the colour is not worth an error.
             let alpha = alpha && name.is_none() && scene.is_none() && !taken.contains(&"alpha");
-            if alpha && !wanted.iter().any(|n| n == "alpha") && file.find("alpha").is_ok() {
+            if alpha && !wanted.all().any(|(n, _)| n == "alpha") && file.find("alpha").is_ok() {
                 names.push(("alpha", "alpha"));
             }
             let own: Vec<&str> = names.iter().map(|(own, _)| *own).collect();
@@ -380,12 +428,18 @@ impl Inputs {
         // Of several images without a name the one that has the view knows more of it.
         let found = self.list.iter().find(|o| named(o) && of_view(o));
         let Some(opened) = found.or_else(|| self.list.iter().find(named)) else {
-            return vec![match image {
-                Some(image) => {
-                    format!("There is no input called {image}: name one with -i {image}=FILE.")
-                }
-                None => "All inputs have names: an -i FILE without one gives plain variables.".into(),
-            }];
+            return match image {
+                Some(image) => self.layer(image, own).map_or_else(
+                    || vec![format!("{NO_IMAGE} {image}: name one with -i {image}=FILE.")],
+                    |hint| vec![hint],
+                ),
+                None => vec!["All inputs have names: an -i FILE without one gives plain variables.".into()],
+            };
+        };
+        // Behind the variable there may be a component.
+        let own = match own.rsplit_once('.') {
+            Some((variable, member)) if is_component(member) => variable,
+            _ => own,
         };
         let hints = opened.file.missing(own).hints;
         let argument = image.map_or("--map ".to_string(), |i| format!("--map {i}."));
@@ -399,6 +453,29 @@ impl Inputs {
             None => hint,
         };
         hints.into_iter().map(|h| named(h.replace("--map ", &argument))).collect()
+    }
+}
+
+impl Inputs {
+    /// What to tell a program that names a layer of an input before a variable: layers are no part of names.
+    fn layer(&self, layer: &str, own: &str) -> Option<String> {
+        let variable =
+            own.rsplit_once('.').filter(|(_, member)| is_component(member)).map_or(own, |(v, _)| v);
+        let unnamed = self.list.iter().filter(|opened| opened.name.is_none());
+        let mut bindings = unnamed.flat_map(|opened| opened.file.variables());
+        let of_layer = |group: &str| {
+            let mut fields = group.split('.');
+            fields.any(|field| field.eq_ignore_ascii_case(layer)) && fields.next().is_some()
+        };
+        let binding = bindings.find(|b| b.name == variable)?;
+        let candidate = binding.candidates.iter().find(|c| of_layer(&c.group))?;
+        Some(match binding.candidates.len() {
+            1 => format!("Leave the layer out: `{own}`."),
+            _ => format!(
+                "Leave the layer out, `{own}`, and say which layer it is: --map {variable}={}.",
+                candidate.group
+            ),
+        })
     }
 }
 

@@ -116,7 +116,7 @@ impl JoinArgs {
             if self.mkdir {
                 output::make_folder(&path)?;
             }
-            let format = output::check(&path)?;
+            let format = output::check(&path).map_err(|failure| output::or_mkdir(failure, &path))?;
             output::check_distinct(&path, writers.iter().map(|(_, _, path): &(_, _, PathBuf)| &**path))?;
             let shown = if format == Format::Exr { None } else { Some(joined.shown(&path)?) };
             writers.push((Writer::create(&path, height, &options)?, shown, path));

@@ -18,6 +18,7 @@ mod input;
 mod interrupt;
 mod job;
 mod join;
+mod known;
 mod lsp;
 mod model;
 mod noise;
@@ -37,6 +38,7 @@ mod trace;
 mod view;
 
 use crate::image::protect_inputs;
+use crate::visible::is_hidden;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -104,6 +106,24 @@ enum Command {
     Completions(completions::CompletionsArgs),
     /// Print the manual page, or write a page for each command
     Man(completions::ManArgs),
+}
+
+/// Parses the arguments of this process.
+///
+/// # Errors
+/// The status to end with: help was asked for, or an argument is wrong, and that is said already.
+pub fn parse() -> Result<Cli, ExitCode> {
+    Cli::try_parse().map_err(|error| {
+        let hidden = |arg: std::ffi::OsString| arg.to_string_lossy().contains(is_hidden);
+        // The message quotes the arguments, among which may be names of files.
+        if std::env::args_os().any(hidden) {
+            failure::warn(error.to_string().trim_end());
+        } else {
+            // Nobody may read it any more.
+            let _ = error.print();
+        }
+        ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+    })
 }
 
 /// Does what the arguments say, and tells how it ended.

@@ -54,6 +54,15 @@ pub(super) fn force(given: bool) {
     set_force(if given { Force::Given } else { Force::Offered });
 }
 
+/// The failure to write a file, with a hint about `--mkdir` if its folder is missing.
+pub(super) fn or_mkdir(failure: Failure, path: &Path) -> Failure {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.is_some_and(|folder| !folder.exists()) {
+        true => failure.hint("Or add --mkdir, which makes it."),
+        false => failure,
+    }
+}
+
 /// Makes the folder that a file is to lie in.
 pub(super) fn make_folder(path: &Path) -> Result<(), Failure> {
     let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) else { return Ok(()) };

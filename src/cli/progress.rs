@@ -2,6 +2,7 @@
 
 use super::failure::print;
 use crate::program::Progress;
+use crate::visible::visible_name;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -91,7 +92,7 @@ impl Meter {
             if let Ok(style) = ProgressStyle::with_template("{prefix} {wide_bar} {percent:>3} %  {msg}") {
                 bar.set_style(style);
             }
-            bar.with_prefix(self.name.clone())
+            bar.with_prefix(visible_name(&self.name).into_owned())
         });
         bar.set_position((share * STEPS) as u64);
         bar.set_message(message);

@@ -16,7 +16,7 @@ use crate::syntax::is_incomplete;
 use clap::Args;
 use line::{Editor, Read};
 use session::Session;
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, BufRead, IsTerminal};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -74,7 +74,7 @@ fn load(args: &ReplArgs, frame: Frame) -> Result<(Image<'static>, Inputs), Failu
     let inputs = Inputs::open(&args.images.input, &args.images.map, false, frame.number)?;
     let seen = scene(&args.images)?;
     let scene = seen.map(|seen| args.images.view.renderer(&seen, frame.number, false)).transpose()?;
-    let names = inputs.variables();
+    let names = inputs.variables().into();
     let mut reader = inputs.reader(scene.as_ref(), &names, false)?;
     let height = reader.about().height;
     let image = reader.read(0..height)?;
@@ -87,7 +87,8 @@ fn at_terminal(mut session: Session) -> Result<(), Failure> {
     interrupt::cancel_answer();
     let mut editor = Editor::new()?;
     let about = session.about();
-    println!("pse {}: {about}. :help tells what there is, :quit ends.", env!("CARGO_PKG_VERSION"));
+    let version = env!("CARGO_PKG_VERSION");
+    print(&format!("pse {version}: {about}. :help tells what there is, :quit ends.\n"))?;
     loop {
         match editor.read(&session) {
             Read::Text(text) => {
@@ -148,9 +149,8 @@ impl Session {
     fn answer_errors(&mut self, text: &str) -> bool {
         match self.enter(text) {
             Ok(said) => {
-                let mut out = io::stdout().lock();
                 // Nobody may read it any more.
-                let _ = out.write_all(said.as_bytes()).and_then(|()| out.flush());
+                let _ = print(&said);
                 true
             }
             Err(Failure::Said) => false,

@@ -4,6 +4,7 @@ use super::failure::{Failure, why};
 use crate::host::{Disk, read_text};
 use crate::image::{Content, record_standard_input, recorded};
 use crate::program::{Compiler, Program};
+use crate::resolve::unknown::Doubt;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +47,17 @@ impl ProgramArgs {
 pub(super) fn compile(name: &str, text: &str, path: &[PathBuf]) -> Result<Program, Failure> {
     let host = Disk { path: path.to_vec() };
     Ok(Compiler::new().host(&host).compile(name, text)?)
+}
+
+/// The like, for images that `doubt` knows.
+pub(super) fn compile_for(
+    name: &str,
+    text: &str,
+    path: &[PathBuf],
+    doubt: &Doubt<'_>,
+) -> Result<Program, Failure> {
+    let host = Disk { path: path.to_vec() };
+    Ok(Compiler::new().host(&host).doubt(doubt).compile(name, text)?)
 }
 
 /// The name in messages and the text of a program's file, or of standard input for `-`.

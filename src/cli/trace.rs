@@ -4,14 +4,16 @@ mod json;
 mod text;
 
 use super::camera::CameraRequest;
-use super::failure::{Failure, print, warn};
+use super::failure::{Failure, print_json, print_rendered, warn};
 use super::frames::{Chosen, FrameArg, check_textures};
 use super::input::{ImageArgs, Inputs};
 use super::interrupt::{self, CANCEL};
+use super::known::Lazy;
 use super::run::{DEFAULT_SCENE, LimitArgs, reading, scene, set, space};
 use super::source::{self, ProgramArgs};
 use crate::image::Image;
 use crate::program::{Error, Program, RunOptions, Trace, TraceOptions};
+use crate::resolve::tree::Resolved;
 use clap::Args;
 use std::io::{self, IsTerminal};
 use std::str::FromStr;
@@ -90,7 +92,9 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let chosen = Chosen::new(None, args.frame, &args.images.frame_sources(), std::iter::empty())?;
     let frame = chosen.frames[0];
     let (name, text) = args.program.read()?;
-    let program = source::compile(&name, &text, &args.program.path)?;
+    let images = Lazy::new(&args.images, frame.number);
+    let doubt = |program: &Resolved, name: &str, span| images.doubt(program, name, span);
+    let program = source::compile_for(&name, &text, &args.program.path, &doubt)?;
     check_textures(&program, frame)?;
     let set = args.set.iter().map(|text| set(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
     let spaces =
@@ -147,10 +151,10 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     }
     let about = text::About { trace: &trace, program: &program, name: &name, frame: frame.value };
     if args.json {
-        print(&json::json(&about))?;
+        print_json(&json::json(&about))?;
     } else {
         let color = std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty());
-        print(&text::text(&about, args.limit, color && io::stdout().is_terminal()))?;
+        print_rendered(&text::text(&about, args.limit, color && io::stdout().is_terminal()))?;
     }
     match trace.error {
         None => Ok(()),

@@ -1,6 +1,7 @@
 //! Binds a program to an image: where the value of each outer variable comes from, and the frame's own run.
 
-use super::frame::{self, Frame};
+use super::absent::{absent, of_image};
+use super::frame;
 use super::machine::Slot;
 use super::pixels::Pixels;
 use super::pixelsize;
@@ -136,21 +137,11 @@ impl Bound<'_> {
     }
 
     /// What to tell who reads a variable that the image does not have.
-    pub fn missing_hint(&self, name: &str) -> Option<String> {
-        if self.has(name) || !names::USUAL_INPUTS.contains(&name) {
-            return None;
+    pub fn missing_hints(&self, name: &str) -> Vec<String> {
+        match self.has(name) || !names::USUAL_INPUTS.contains(&name) {
+            true => Vec::new(),
+            false => of_image(name, &self.has, self.missing),
         }
-        Some(self.missing_hints(name).join("\n"))
-    }
-
-    fn missing_hints(&self, name: &str) -> Vec<String> {
-        if let Some(missing) = self.missing {
-            return missing(name);
-        }
-        if self.has.is_empty() {
-            return vec!["There is no input image that could have it.".into()];
-        }
-        vec![format!("The image has {}.", self.has.join(", "))]
     }
 }
 
@@ -187,12 +178,23 @@ pub(super) fn bind_traced<'r>(
         has: image.variables.iter().map(|v| v.name.clone()).collect(),
         missing: options.missing,
         camera_hint: options.camera_hint,
-        textures: textures(program, options)?,
+        textures: Vec::new(),
         prints: Prints::default(),
     };
-    check_set(program, options)?;
-    let Frame { values, prints, .. } = frame::run(program, image, options, &bound, tracer)?;
-    bound.prints = prints;
+    // Mistakes of all kinds are reported together; what needs the values of the frame is looked at if it has any.
+    let mut errors = check_set(program, options);
+    match textures(program, options) {
+        Ok(textures) => bound.textures = textures,
+        Err(unreadable) => errors.extend(unreadable),
+    }
+    let mut values = vec![None; program.globals.len()];
+    if errors.is_empty() {
+        match frame::run(program, image, options, &bound, tracer) {
+            Ok(frame) => (values, bound.prints) = (frame.values, frame.prints),
+            Err(Failure::Program(wrong)) => errors.extend(wrong),
+            Err(Failure::Cancelled) => return Err(Failure::Cancelled),
+        }
+    }
     let size: Option<Arc<[f32]>> =
         steps.as_ref().filter(|_| sized).map(|steps| pixelsize::plane(seen, steps).into());
     drop(steps);
@@ -237,7 +239,7 @@ pub(super) fn bind_traced<'r>(
         };
         bound.sources.push(source);
     }
-    let mut errors = missing_inputs(program, &bound);
+    errors.extend(missing_inputs(program, &bound));
     for (global, source) in program.globals.iter().zip(&bound.sources) {
         if let (Some(space), Some(span), Source::Nowhere) = (space_of(&global.name), global.read, source) {
             errors.push(spaces::unknown(space, span, image, options));
@@ -247,7 +249,7 @@ pub(super) fn bind_traced<'r>(
 }
 
 /// The textures of this frame, read or kept.
-fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture>>, Failure> {
+fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture>>, Vec<Diagnostic>> {
     let mut left = options.texture_memory.unwrap_or(TEXTURE_MEMORY) as u64;
     let (mut textures, mut errors) = (Vec::new(), Vec::new());
     for (source, span) in &program.textures {
@@ -257,7 +259,7 @@ fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture
         }
     }
     program.tiles.allow(left);
-    if errors.is_empty() { Ok(textures) } else { Err(Failure::Program(errors)) }
+    if errors.is_empty() { Ok(textures) } else { Err(errors) }
 }
 
 impl Bound<'_> {
@@ -278,7 +280,7 @@ pub(super) fn constant_value(constant: &names::Constant) -> PixelValue {
 }
 
 /// What is set from outside must be something that the program has.
-fn check_set(program: &Resolved, options: &Options<'_>) -> Result<(), Failure> {
+fn check_set(program: &Resolved, options: &Options<'_>) -> Vec<Diagnostic> {
     let mut errors = Vec::new();
     for (name, _) in &options.set {
         let by_option = match name.as_str() {
@@ -314,79 +316,25 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Result<(), Failure> {
         });
         errors.push(error.hint(hint));
     }
-    if errors.is_empty() { Ok(()) } else { Err(Failure::Program(errors)) }
+    errors
 }
 
-/// Names that are read and come from nowhere, the first of them.
+/// The errors of names that are read and come from nowhere, the first of them.
 fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
     let nowhere = |(global, source): &(&Global, &Source<'_>)| {
         matches!(source, Source::Nowhere)
-            && global.read.is_some()
             && global.assigned.is_none()
             && global.framed.is_none()
             && !global.library
             && space_of(&global.name).is_none()
     };
-    let known: Vec<&str> = program
-        .globals
-        .iter()
-        .filter(|g| !g.library && (g.assigned.is_some() || g.framed.is_some()))
-        .map(|g| g.name.as_str())
-        .chain(bound.has.iter().map(String::as_str))
-        .chain(names::CONSTANTS.iter().map(|c| c.name))
-        .chain(names::SYSTEM.iter().map(|(n, _)| *n))
-        .collect();
     program
         .globals
         .iter()
         .zip(&bound.sources)
         .filter(nowhere)
         .filter_map(|(global, _)| {
-            let name = global.name.as_str();
-            let span = global.read?;
-            if names::USUAL_INPUTS.contains(&name) || name.contains('.') {
-                let error = Diagnostic::error("input", format!("the input has no variable `{name}`"), span);
-                let error = match name {
-                    "I" => error.hint(
-                        "`I` is the direction from the eye to the point. Renderers do not write it; where the eye is \
-                         known it is `I = direction(point - eye)`, with `param eye = [0 -5 5]` above.",
-                    ),
-                    _ => error,
-                };
-                let camera = bound.camera_hint.into_iter().chain([spaces::CAMERA]).filter(|_| name == "I");
-                let error = camera.fold(error, |error, hint| error.hint(hint));
-                return Some(bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint));
-            }
-            if crate::resolve::is_standard_function(name) {
-                return Some(crate::resolve::no_variable(name, span, false));
-            }
-            if name == "eye" {
-                return Some(spaces::no_eye(span, bound.camera_hint));
-            }
-            let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
-                .label(span, "nothing assigns it, and the input has none of that name");
-            if matches!(name, "camera" | "world" | "screen" | "object") {
-                return Some(error.hint(format!(
-                    "A space is named in quotation marks: `transform(\"{name}\", point)`."
-                )));
-            }
-            let near = names::nearest(name, known.iter().copied());
-            // The host may know of variables that it did not load.
-            let mut hints = bound.missing.map_or(Vec::new(), |missing| missing(name));
-            let guess = |hint: &String| hint.starts_with("Did you mean");
-            let error = match near {
-                Some(near) => {
-                    hints.retain(|h| !guess(h));
-                    error.hint(format!("Did you mean `{near}`?"))
-                }
-                None if hints.iter().any(guess) => error,
-                None => error.hint(format!("Give it a value in a line above: `{name} = 1`.")),
-            };
-            if bound.missing.is_some() {
-                return Some(hints.into_iter().fold(error, Diagnostic::hint));
-            }
-            let has = bound.has.join(", ");
-            Some(if bound.has.is_empty() { error } else { error.hint(format!("The input has {has}.")) })
+            Some(absent(program, &global.name, global.read?, &bound.has, bound.missing, bound.camera_hint))
         })
         .take(MAX_ERRORS)
         .collect()

@@ -414,10 +414,8 @@ impl<'r> Machine<'r> {
                 "Give `{name}` a value on every way that leads here, for instance `{name} = 0` in a line above."
             )),
         };
-        if let Place::Global(_) = place
-            && let Some(hint) = self.bound.missing_hint(name)
-        {
-            error = error.hint(hint);
+        if let Place::Global(_) = place {
+            error = self.bound.missing_hints(name).into_iter().fold(error, Diagnostic::hint);
         }
         self.fault(error, lane)
     }

@@ -4,6 +4,7 @@
 //! after another. A batch has one shape for each value. Where its lanes part ways in shape it is cut and run
 //! again in pieces, down to one lane, which defines what a program means.
 
+mod absent;
 mod bind;
 mod call;
 mod dense;
@@ -37,6 +38,7 @@ mod trace;
 mod tracer;
 mod worker;
 
+pub(crate) use absent::{NO_IMAGE, absent};
 pub use bind::Missing;
 pub use frame::{ParamInfo, params};
 pub use host_function::{BatchArguments, BatchResult, HostFunction};

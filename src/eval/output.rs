@@ -10,6 +10,7 @@ use crate::resolve::names;
 use crate::resolve::tree::Resolved;
 use crate::shape::Shape;
 use crate::value::{Mask, Plane};
+use crate::vocabulary;
 
 /// A variable to write.
 #[derive(Clone)]
@@ -201,6 +202,7 @@ pub(super) fn missing(program: &Resolved, name: &str) -> Diagnostic {
     if let Some(near) = names::nearest(name, assigned.iter().copied()) {
         return error.hint(format!("Did you mean `{near}`?"));
     }
+    let error = vocabulary::variable(name).into_iter().fold(error, Diagnostic::hint);
     if assigned.is_empty() {
         return error.hint("The program assigns no variable at all.");
     }

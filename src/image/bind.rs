@@ -10,6 +10,7 @@
 use super::error::{ErrorKind, ImageError};
 use super::names::{self, Family, Group};
 use crate::shape::Shape;
+use crate::spelling;
 use std::str::FromStr;
 
 /// `name=channels`, given by the user: the variable `name` is these channels, whatever the names say.
@@ -447,18 +448,18 @@ fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     text.join(", ")
 }
 
-/// The name most like `wanted`, if one is like it at all.
-fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+/// The name that `wanted` may be a slip or the beginning of, compared whole and by its last field.
+fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
+    let fields = || names.clone().map(|name| (names::last_field(name), name));
+    let whole = spelling::nearest(wanted, names.clone());
+    let field = || spelling::nearest(wanted, fields().map(|(field, _)| field));
+    let by_field = |near: &str| fields().find(|(field, _)| *field == near).map(|(_, name)| name);
     let lower = wanted.to_lowercase();
-    names
-        .map(|name| {
-            let whole = strsim::jaro_winkler(&lower, &name.to_lowercase());
-            let last = strsim::jaro_winkler(&lower, &names::last_field(name).to_lowercase());
-            (whole.max(last), name)
-        })
-        .filter(|(likeness, _)| *likeness > 0.84)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
+    let begins = |field: &str| lower.len() > 2 && field.to_lowercase().starts_with(&lower);
+    whole.or_else(|| by_field(field()?)).or_else(|| {
+        let mut longer = fields().filter(|(field, _)| begins(field)).map(|(_, name)| name);
+        longer.next().filter(|_| longer.next().is_none())
+    })
 }
 
 /// What a variable is read from, if that is one thing.

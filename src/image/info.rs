@@ -8,6 +8,7 @@ use super::names::last_field;
 use super::read_exr::ExrPart;
 use super::scan_exr::Scan;
 use super::scan_raster::RasterScan;
+use crate::visible::visible_name;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::AttributeValue;
 use std::fmt;
@@ -388,7 +389,7 @@ fn short(v: f64) -> String {
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [w, h] = self.size;
-        writeln!(f, "{}: {}, {w} x {h}", self.name, self.format)?;
+        writeln!(f, "{}: {}, {w} x {h}", visible_name(&self.name), self.format)?;
         if self.resolution != self.size || self.origin != [0, 0] {
             let [x, y] = self.origin;
             let [dw, dh] = self.resolution;
@@ -398,7 +399,8 @@ impl fmt::Display for Info {
             writeln!(f, "pixel aspect ratio {}", self.pixel_aspect)?;
         }
         for part in &self.parts {
-            let name = if part.name.is_empty() { String::new() } else { format!(" `{}`", part.name) };
+            let name =
+                if part.name.is_empty() { String::new() } else { format!(" `{}`", visible_name(&part.name)) };
             let mut words: Vec<String> = Vec::new();
             words.extend([&part.compression, &part.layout].into_iter().filter(|w| !w.is_empty()).cloned());
             if self.parts.len() > 1 && part.size != self.size && part.size != [0, 0] {
@@ -425,14 +427,14 @@ impl fmt::Display for Info {
             let finite = c.count > c.nan + c.infinite;
             let number = |v: f64| if finite { short(v) } else { "-".into() };
             rows.push([
-                c.name.clone(),
+                visible_name(&c.name).into_owned(),
                 kind,
                 number(f64::from(c.min)),
                 number(f64::from(c.max)),
                 number(c.mean),
                 c.nan.to_string(),
                 c.infinite.to_string(),
-                c.variables.join(" "),
+                visible_name(&c.variables.join(" ")).into_owned(),
             ]);
         }
         let widths: Vec<usize> =
@@ -453,13 +455,13 @@ impl fmt::Display for Info {
             let width = self.attributes.iter().map(|(n, _)| n.chars().count()).max().unwrap_or(0).min(40);
             writeln!(f)?;
             for (name, value) in &self.attributes {
-                writeln!(f, "{name:<width$}  {value}")?;
+                writeln!(f, "{:<width$}  {}", visible_name(name), visible_name(value))?;
             }
         }
         if !self.notes.is_empty() {
             writeln!(f)?;
             for note in &self.notes {
-                writeln!(f, "note: {note}")?;
+                writeln!(f, "note: {}", visible_name(note))?;
             }
         }
         Ok(())

@@ -6,7 +6,8 @@ use super::tree::{Expr, ExprKind};
 use super::{library, names, print};
 use crate::builtin::{self, Builtin, Kernel, ParamKind};
 use crate::diagnostic::{Diagnostic, Span};
-use crate::syntax::{self, MAX_ERRORS, ast};
+use crate::syntax::{self, ast};
+use crate::vocabulary;
 
 /// What a call's arguments are matched with.
 struct Signature {
@@ -89,7 +90,7 @@ impl Resolver<'_> {
             for arg in args {
                 self.expr(&arg.value, scope);
             }
-            let error = self.unknown_function(name, scope);
+            let error = self.unknown_function(name, args.len(), scope);
             self.errors.push(error);
             None
         };
@@ -97,7 +98,7 @@ impl Resolver<'_> {
         Expr { kind: kind.unwrap_or(ExprKind::Number(0.0)), span }
     }
 
-    fn unknown_function(&self, name: &ast::Name, scope: &Scope) -> Diagnostic {
+    fn unknown_function(&self, name: &ast::Name, arguments: usize, scope: &Scope) -> Diagnostic {
         let error = |message: String| Diagnostic::error("name", message, name.span);
         let written = &name.text;
         let local = scope.locals.as_ref().is_some_and(|l| l.contains_key(written));
@@ -111,29 +112,37 @@ impl Resolver<'_> {
                 .iter()
                 .any(|g| g.name == *written && (g.assigned.is_some() || g.framed.is_some()));
         if variable {
-            return error(format!("`{written}` is a variable, not a function")).hint(format!(
-                "To multiply, write `{written} * (…)`; to take an element of a vector, `{written}[1]`."
-            ));
+            let error = error(format!("`{written}` is a variable, not a function"));
+            return error.hint(match constructor(written).filter(|_| arguments > 1) {
+                Some(instead) => instead.to_string(),
+                None => format!(
+                    "To multiply, write `{written} * (…)`; to take an element of a vector, `{written}[1]`."
+                ),
+            });
         }
         let error = error(format!("there is no function `{written}()`"));
-        if let Some(ours) = names::of_other_languages(written) {
-            return error.hint(ours);
-        }
-        if self.errors.len() >= MAX_ERRORS {
-            // It will not be shown; names that are like it are costly to find.
+        if !self.is_shown() {
             return error;
         }
-        let known = self
-            .own
-            .keys()
-            .chain(self.hosts.keys())
-            .map(String::as_str)
-            .chain(library::entries().map(|e| e.name.as_str()))
+        let own = self.own.keys().chain(self.hosts.keys()).map(String::as_str);
+        let ours = library::entries()
+            .map(|e| e.name.as_str())
             .chain(builtin::all().map(|b| b.name))
             .chain([print::NAME]);
-        match names::nearest(written, known) {
-            Some(near) => error.hint(format!("Did you mean `{near}()`?")),
-            None => error.hint(format!("To define it, write `function {written}(…)` and its block below.")),
+        let here = vocabulary::function(written);
+        let near = match here {
+            // A word that is known from elsewhere is no slip of a word that is known here.
+            Some(_) => names::nearest(written, own),
+            None => names::nearest(written, own.chain(ours)),
+        };
+        match (near, here) {
+            (None, None) => {
+                error.hint(format!("To define it, write `function {written}(…)` and its block below."))
+            }
+            _ => {
+                let near = near.map(|near| format!("Did you mean `{near}()`?"));
+                near.into_iter().chain(here.map(String::from)).fold(error, Diagnostic::hint)
+            }
         }
     }
 
@@ -254,7 +263,8 @@ impl Resolver<'_> {
                     Some(index) => index,
                     None => {
                         self.expr(&arg.value, scope);
-                        self.errors.push(unknown_parameter(signature, name));
+                        let error = self.unknown_parameter(signature, name);
+                        self.errors.push(error);
                         continue;
                     }
                 },
@@ -366,7 +376,7 @@ impl Resolver<'_> {
             .iter()
             .copied()
             .find(|c| *c == written)
-            .or_else(|| names::nearest(written, of.iter().copied()))
+            .or_else(|| self.nearest(written, of.iter().copied()))
         {
             Some(near) if near == written => error.hint(format!("Write it in quotes: \"{near}\".")),
             Some(near) => error.hint(format!("Did you mean \"{near}\"?")),
@@ -376,14 +386,20 @@ impl Resolver<'_> {
         self.errors.push(error.hint(format!("It knows {}.", list.join(", "))));
         None
     }
+
+    fn unknown_parameter(&self, signature: &Signature, name: &ast::Name) -> Diagnostic {
+        let message = format!("`{}()` has no parameter `{}`", signature.name, name.text);
+        let error = Diagnostic::error("arity", message, name.span);
+        let error = match self.nearest(&name.text, signature.params.iter().map(|p| p.name.as_str())) {
+            Some(near) => error.hint(format!("Did you mean `{near}`?")),
+            None => error,
+        };
+        error.hint(signature.usage())
+    }
 }
 
-fn unknown_parameter(signature: &Signature, name: &ast::Name) -> Diagnostic {
-    let message = format!("`{}()` has no parameter `{}`", signature.name, name.text);
-    let error = Diagnostic::error("arity", message, name.span);
-    let error = match names::nearest(&name.text, signature.params.iter().map(|p| p.name.as_str())) {
-        Some(near) => error.hint(format!("Did you mean `{near}`?")),
-        None => error,
-    };
-    error.hint(signature.usage())
+/// What to write instead of a variable's name that makes a vector in shading languages: `color(1, 0, 0)`.
+fn constructor(name: &str) -> Option<&'static str> {
+    let is = matches!(name, "color" | "point" | "normal" | "motion");
+    vocabulary::function("vec3").filter(|_| is)
 }

@@ -4,8 +4,10 @@ use super::lower::Resolver;
 use super::names;
 use super::scope::Scope;
 use super::tree::*;
+use super::unknown::{is_swizzle, no_component, no_swizzle, no_variable};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::syntax::ast;
+use crate::vocabulary;
 
 impl Resolver<'_> {
     /// A variable that is read.
@@ -44,13 +46,11 @@ impl Resolver<'_> {
         let usual = names::USUAL_INPUTS.contains(&name) || names::is_system(name);
         let assigned =
             self.ids.get(&(false, name.to_string())).and_then(|&i| self.out.globals[i as usize].assigned);
-        let known = self.out.globals.iter().filter(|g| g.is_frame()).map(|g| g.name.as_str());
-        let constants = names::CONSTANTS.iter().map(|c| c.name).chain(names::FRAME.iter().copied());
-        let mut error = match names::nearest(name, known.chain(constants).chain(names::USUAL_INPUTS.iter().copied())) {
-            Some(near) if !usual && assigned.is_none() => {
-                Diagnostic::error("name", format!("there is no frame variable `{name}`"), span)
-                    .hint(format!("Did you mean `{near}`?"))
-            }
+        let mut error = match self.instead_of_frame_variable(name) {
+            hints if !usual && assigned.is_none() && !hints.is_empty() => hints.into_iter().fold(
+                Diagnostic::error("name", format!("there is no frame variable `{name}`"), span),
+                Diagnostic::hint,
+            ),
             _ => Diagnostic::error("frame", format!("`{name}` has no value before the pixels"), span)
                 .label(span, "runs once a frame, before any pixel")
                 .hint(if param {
@@ -71,6 +71,16 @@ impl Resolver<'_> {
             error = error.label(read, format!("`{name}` is read here"));
         }
         error
+    }
+
+    /// What may be meant by a variable that no frame has.
+    fn instead_of_frame_variable(&self, name: &str) -> Vec<String> {
+        if !self.is_shown() {
+            return Vec::new();
+        }
+        let own = self.out.globals.iter().filter(|g| g.is_frame()).map(|g| g.name.as_str());
+        let constants = names::CONSTANTS.iter().map(|c| c.name).chain(names::FRAME.iter().copied());
+        vocabulary::instead_of_variable(name, own, constants.chain(names::USUAL_INPUTS.iter().copied()))
     }
 
     pub fn expr(&mut self, e: &ast::Expr, scope: &mut Scope) -> Expr {
@@ -150,7 +160,11 @@ impl Resolver<'_> {
             }
             _ => {
                 self.expr(base, scope);
-                self.errors.push(no_component(member));
+                let written = match &*base.kind {
+                    ast::ExprKind::Name(name) => name,
+                    _ => "v",
+                };
+                self.errors.push(no_component(written, &member.text, member.span));
                 ExprKind::Number(0.0)
             }
         }
@@ -162,42 +176,4 @@ impl Resolver<'_> {
             global.assigned.is_some() || global.framed.is_some()
         })
     }
-}
-
-/// The error of a letter that names no component.
-pub(super) fn no_component(member: &ast::Name) -> Diagnostic {
-    Diagnostic::error("name", format!("a vector has no component called `{}`", member.text), member.span)
-        .hint("Its components are `.x .y .z .w`, which are the same as `.r .g .b .a`. Any can be counted from 1: `v[3]`.")
-}
-
-/// The error of a function's name where a variable is read; `gap`: with its `(` a blank away, inside `[ ]`.
-pub(crate) fn no_variable(name: &str, span: Span, gap: bool) -> Diagnostic {
-    let error = Diagnostic::error("name", format!("`{name}` is a function, not a variable"), span);
-    error.hint(if gap {
-        format!("Inside `[ ]` a blank separates elements. Close the gap between `{name}` and its `(`.")
-    } else {
-        format!("To call it, put its arguments in brackets right behind the name: `{name}(…)`.")
-    })
-}
-
-/// Several components at once, as shading languages write them: `xyz`, `rg`.
-fn is_swizzle(member: &str) -> bool {
-    let of = |set: &str| member.chars().all(|c| set.contains(c));
-    (2..=4).contains(&member.len()) && (of("xyzw") || of("rgba"))
-}
-
-fn no_swizzle(base: &ast::Expr, member: &ast::Name) -> Diagnostic {
-    let indices: Vec<String> = member
-        .text
-        .chars()
-        .filter_map(|c| names::component(&c.to_string()))
-        .map(|i| (i + 1).to_string())
-        .collect();
-    let indices = indices.join(" ");
-    let v = match &*base.kind {
-        ast::ExprKind::Name(name) => name,
-        _ => "v",
-    };
-    Diagnostic::error("name", format!("`.{}` asks for several components at once", member.text), member.span)
-        .hint(format!("Pick them by their numbers: `{v}[[{indices}]]`."))
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::host::Host;
-use crate::syntax::{self, ast};
+use crate::syntax::{self, MAX_ERRORS, ast};
 
 /// The files of a program, imports first in the order in which they are met.
 pub struct Files {
@@ -39,7 +39,8 @@ pub fn gather(
     let id = sources.add(name, text);
     let parsed = syntax::parse(id, text);
     errors.extend(parsed.errors);
-    let mut gatherer = Gatherer { sources, host, errors, seen: vec![name.to_string()], imported: Vec::new() };
+    let mut gatherer =
+        Gatherer { sources, host, errors, seen: vec![name.to_string()], missing: 0, imported: Vec::new() };
     let mut body = Vec::new();
     let mut imports = Vec::new();
     for stmt in parsed.module.body {
@@ -59,6 +60,8 @@ struct Gatherer<'a> {
     host: &'a dyn Host,
     errors: &'a mut Vec<Diagnostic>,
     seen: Vec<String>,
+    /// How many imports have failed.
+    missing: usize,
     imported: Vec<ast::Stmt>,
 }
 
@@ -71,7 +74,9 @@ impl Gatherer<'_> {
         }
         let (name, text) = match self.host.import(importing, path) {
             Ok(found) => found,
+            Err(_) if self.missing >= MAX_ERRORS => return None,
             Err(why) => {
+                self.missing += 1;
                 let error =
                     Diagnostic::error("import", format!("cannot import \"{path}\""), span).label(span, why);
                 self.errors.push(self.host.hint().into_iter().fold(error, Diagnostic::hint));

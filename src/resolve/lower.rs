@@ -1,15 +1,19 @@
 //! Statements, functions, params: from names to slots.
 
 use super::HostFunctions;
-use super::expr::no_component;
 use super::names;
 use super::scope::{Scope, assigned};
 use super::tree::*;
+use super::unknown::no_component;
 use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::host::Host;
-use crate::syntax::ast;
+use crate::syntax::{MAX_ERRORS, ast};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
+
+/// How many errors get suggestions. Some of them may follow from errors of syntax and are not shown, so there are more of
+/// these than of those that are.
+const MAX_EXPLAINED: usize = 4 * MAX_ERRORS;
 
 /// Turns the trees of a program's files into a [`Resolved`].
 pub(super) struct Resolver<'a> {
@@ -56,6 +60,17 @@ impl<'a> Resolver<'a> {
             value: None,
             entry: None,
         }
+    }
+
+    /// Whether an error that is found now may be shown. What is costly to find, such as the names that a misspelt one
+    /// may mean, is looked for only then.
+    pub fn is_shown(&self) -> bool {
+        self.errors.len() < MAX_EXPLAINED
+    }
+
+    /// The name out of `known` that a misspelt one most likely means, if that will be shown.
+    pub fn nearest<'k>(&self, name: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+        if self.is_shown() { names::nearest(name, known) } else { None }
     }
 
     /// The whole program.
@@ -339,7 +354,8 @@ impl<'a> Resolver<'a> {
             Written::Assign { target, op, value } => {
                 // The value first: `x = x + 1` reads before it stores.
                 let value = self.expr(value, scope);
-                let path = target.path.iter().filter_map(|step| self.step(step, scope)).collect();
+                let written = &target.name.text;
+                let path = target.path.iter().filter_map(|step| self.step(step, written, scope)).collect();
                 let place = self.target(&target.name, scope);
                 StmtKind::Assign { place, name: target.name.span, path, op: *op, value }
             }
@@ -394,6 +410,9 @@ impl<'a> Resolver<'a> {
                     let error = misplaced("a param is declared inside of a block")
                         .hint(format!("Move the declaration of `{}` to the left margin.", name.text));
                     self.errors.push(error);
+                    // That is said, so nobody needs to hear that the name has no value.
+                    let slot = self.global(&name.text, false);
+                    self.out.globals[slot as usize].framed.get_or_insert(name.span);
                 }
                 return None;
             }
@@ -406,13 +425,13 @@ impl<'a> Resolver<'a> {
         Some(Stmt { kind, span: stmt.span })
     }
 
-    fn step(&mut self, step: &ast::Access, scope: &mut Scope) -> Option<Step> {
+    fn step(&mut self, step: &ast::Access, written: &str, scope: &mut Scope) -> Option<Step> {
         match step {
             ast::Access::Index(e) => Some(Step::Index(self.expr(e, scope))),
             ast::Access::Member(name) => match names::component(&name.text) {
                 Some(i) => Some(Step::Component(i, name.span)),
                 None => {
-                    self.errors.push(no_component(name));
+                    self.errors.push(no_component(written, &name.text, name.span));
                     None
                 }
             },

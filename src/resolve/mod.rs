@@ -8,6 +8,7 @@ pub mod tree;
 mod call;
 mod effects;
 mod entry;
+mod exposed;
 mod expr;
 mod import;
 mod library;
@@ -17,6 +18,7 @@ mod scope;
 mod several;
 mod spaces;
 mod texture;
+pub mod unknown;
 
 pub use entry::{Entrance, NO_FUNCTION};
 pub use import::{Files, Import, gather};
@@ -34,7 +36,6 @@ use std::sync::Arc;
 /// The functions that the embedding program gives, by name.
 pub type HostFunctions = HashMap<String, Arc<HostFunction>>;
 
-pub(crate) use expr::no_variable;
 pub(crate) use texture::unreadable;
 
 /// Is it the name of a built-in function, of one of the library, or of `print`?
@@ -44,6 +45,7 @@ pub fn is_standard_function(name: &str) -> bool {
 
 /// Reads and resolves a program called `name`. On failure: every error that could be found, and the texts they
 /// point into. `value` names the variable of the last outer expression; with an `entry` the program is one function.
+/// `doubt` is asked about the variables that a program with errors does not assign.
 pub fn resolve(
     name: &str,
     text: &str,
@@ -51,6 +53,7 @@ pub fn resolve(
     functions: &HostFunctions,
     value: Option<&str>,
     entry: Option<&Entrance>,
+    doubt: &unknown::Doubt<'_>,
 ) -> Result<Resolved, (Vec<Diagnostic>, Sources)> {
     let mut sources = Sources::default();
     let mut errors = Vec::new();
@@ -68,7 +71,7 @@ pub fn resolve(
     if errors.is_empty() && found.is_empty() {
         return Ok(resolved);
     }
-    let more = several::unassigned(&resolved);
+    let more = several::unassigned(&resolved, doubt);
     let more = several::credible(found.into_iter().chain(more), &errors, &resolved.sources);
     errors.extend(more);
     Err((errors, resolved.sources))

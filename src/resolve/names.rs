@@ -2,6 +2,8 @@
 
 use std::f32::consts;
 
+pub use crate::spelling::nearest;
+
 /// A constant: name, components (one for a scalar), and what it is.
 pub struct Constant {
     /// Its name.
@@ -71,36 +73,6 @@ pub fn is_frame_constant(name: &str) -> bool {
     constant(name).is_some() || FRAME.contains(&name) || super::space_of(name).is_some()
 }
 
-/// What a function of shading languages and Python is called here, as a sentence; those of the same name need none.
-pub fn of_other_languages(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "normalize" | "normalise" => "A vector of length 1 is made by `direction(v)`.",
-        "vec2" | "vec3" | "vec4" | "float2" | "float3" | "float4" | "vector" | "color" | "rgb" => {
-            "A vector is written in brackets: `[1 0 0]`."
-        }
-        "fract" => "It is called `frac(x)` here.",
-        "saturate" => "It is called `clamp(x)` here.",
-        "len" => "The number of elements is `size(v)`, the length of an arrow `norm(v)`.",
-        "inversesqrt" | "rsqrt" => "Write `1 / sqrt(x)`.",
-        "atan2" => "It is called `atan(y, x)` here.",
-        "fmod" => "Write `a % b`.",
-        "range" => "A range is written `[1 .. 10]`.",
-        "turb" | "turbulent" => "It is called `turbulence(p)` here.",
-        "fbm" | "fractal" => {
-            "Sums of octaves of noise are made by `fBm(p)`, `fractalsum(p)` and `turbulence(p)`."
-        }
-        "ridgedmf" | "ridged_multifractal" => "It is called `ridged(p)` here.",
-        "curlnoise" | "curl_noise" => "It is called `curl(p)` here.",
-        "snoise" | "perlin" | "noise3" => "Noise is called `Noise(p)` here.",
-        "cellnoise" => {
-            "A random number for each cell is `random(floor(p))`, or `Noise(p, kind = \"white\")`."
-        }
-        "worley" | "voronoi" | "cellular" => "It is a kind of noise: `Noise(p, kind = \"cellular\")`.",
-        "simplex" => "It is a kind of noise: `Noise(p, kind = \"simplex\")`.",
-        _ => return None,
-    })
-}
-
 /// The component that a letter names, counted from 0.
 pub fn component(name: &str) -> Option<u32> {
     Some(match name {
@@ -110,42 +82,4 @@ pub fn component(name: &str) -> Option<u32> {
         "w" | "a" => 3,
         _ => return None,
     })
-}
-
-/// The name out of `known` that a misspelt one most likely means.
-pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let lower = name.to_lowercase();
-    known
-        .into_iter()
-        .filter(|k| *k != name)
-        .map(|k| {
-            // A slip of case is no slip of spelling.
-            let distance = strsim::damerau_levenshtein(&lower, &k.to_lowercase());
-            (distance, k)
-        })
-        .filter(|(distance, k)| {
-            let length = name.chars().count().max(k.chars().count());
-            *distance
-                <= if length <= 3 {
-                    usize::from(length > 1 || *distance == 0)
-                } else {
-                    length.div_ceil(3).min(3)
-                }
-        })
-        .min_by_key(|(distance, k)| (*distance, k.len().abs_diff(name.len()), *k))
-        .map(|(_, k)| k)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nearest_names() {
-        let known = ["normal", "point", "noise", "norm", "x"];
-        assert_eq!(nearest("nrmal", known), Some("normal"));
-        assert_eq!(nearest("Point", known), Some("point"));
-        assert_eq!(nearest("zebra", known), None);
-        assert_eq!(nearest("q", known), None);
-    }
 }

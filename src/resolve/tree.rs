@@ -273,4 +273,10 @@ impl Resolved {
     pub fn slot(&self, name: &str) -> Option<u32> {
         self.globals.iter().position(|g| !g.library && g.name == name).map(|i| i as u32)
     }
+
+    /// For each global: whether the pixel's program may see the value that it has at the beginning, be it that it reads it
+    /// or that it assigns nothing on some way.
+    pub fn exposed(&self) -> Vec<bool> {
+        super::exposed::exposed(self)
+    }
 }

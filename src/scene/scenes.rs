@@ -49,15 +49,10 @@ pub fn scenes() -> &'static [SceneInfo] {
 
 /// The scene of that name, or an error with the most similar name.
 pub fn find(name: &str) -> Result<&'static SceneInfo, SceneError> {
-    SCENES.iter().find(|s| s.name == name).ok_or_else(|| {
-        let likeness = |s: &SceneInfo| strsim::jaro_winkler(&name.to_lowercase(), s.name);
-        let nearest = SCENES.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        SceneError::UnknownScene {
-            name: name.into(),
-            // Below, the likeness is chance.
-            nearest: nearest.filter(|s| likeness(s) > 0.75).map(|s| s.name),
-            names: SCENES.iter().map(|s| s.name).collect(),
-        }
+    SCENES.iter().find(|s| s.name == name).ok_or_else(|| SceneError::UnknownScene {
+        name: name.into(),
+        nearest: crate::spelling::nearest(name, SCENES.iter().map(|s| s.name)),
+        names: SCENES.iter().map(|s| s.name).collect(),
     })
 }
 

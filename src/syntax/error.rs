@@ -343,6 +343,15 @@ impl<'a> Scene<'a> {
             {
                 answer.hints.push("Arguments are separated by `,`.".to_string());
             }
+            (Token::Name, Token::Name | Token::Number | Token::Text, Some(_)) => {
+                let operand = self.operand(self.at);
+                answer.hints.push(format!("A call needs brackets: `{word}({operand})`."));
+                if self.found != Token::Text {
+                    answer
+                        .hints
+                        .push(format!("Between two values stands an operator: `{word} * {operand}`."));
+                }
+            }
             (Token::Number, Token::Name, Some(name)) | (Token::CloseParen, Token::Name, Some(name)) => {
                 answer.hints.push(format!("To multiply, write `… * {}`.", self.word(name)));
             }
@@ -352,6 +361,14 @@ impl<'a> Scene<'a> {
             _ => {}
         }
         answer
+    }
+
+    /// The operand that begins with a token, as far as it is written without blanks and operators: `point.x`.
+    fn operand(&self, from: usize) -> &'a str {
+        let follows =
+            |pair: &&[Spanned]| pair[0].2 == pair[1].0 && matches!(pair[1].1, Token::Dot | Token::Name);
+        let more = self.line[from..].windows(2).take_while(follows).count();
+        &self.text[self.line[from].0..self.line[from + more].2]
     }
 
     /// No operand where one should be.

@@ -4,6 +4,7 @@
 //! place, so that the rest of the line is still checked.
 
 use super::token::Token;
+use crate::vocabulary;
 
 /// What a habit is read as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +28,7 @@ pub struct Habit {
 }
 
 /// Where a token stands, as far as habits depend on it.
-pub struct Place {
+pub struct Place<'t> {
     /// It is the first of its line.
     pub first: bool,
     /// The token before it on the line ends an operand.
@@ -36,6 +37,8 @@ pub struct Place {
     pub after_dot: bool,
     /// The next token, blanks skipped.
     pub next: Option<Token>,
+    /// The text of the next token.
+    pub next_text: &'t str,
     /// No bracket is open.
     pub outside: bool,
     /// The line starts with `for`.
@@ -44,7 +47,7 @@ pub struct Place {
     pub header: bool,
 }
 
-impl Place {
+impl Place<'_> {
     /// Nothing but perhaps a comment follows on the line.
     fn last(&self) -> bool {
         matches!(self.next, None | Some(Token::Newline | Token::Comment))
@@ -56,7 +59,7 @@ fn habit(message: impl Into<String>, hint: impl Into<String>, meant: Meant) -> O
 }
 
 /// The habit that `token`, written as `text`, shows at `place`, if any.
-pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
+pub fn find(token: Token, text: &str, place: &Place<'_>) -> Option<Habit> {
     use Meant::{Tokens, Unknown};
     match token {
         Token::Ampersand => {
@@ -143,7 +146,7 @@ pub fn find(token: Token, text: &str, place: &Place) -> Option<Habit> {
 }
 
 /// Words that mean something elsewhere.
-fn word(text: &str, place: &Place) -> Option<Habit> {
+fn word(text: &str, place: &Place<'_>) -> Option<Habit> {
     use Meant::{Tokens, Unknown};
     let declares = matches!(place.next, Some(Token::Name));
     match text {
@@ -227,7 +230,7 @@ fn bad_number(text: &str) -> Habit {
 }
 
 /// A character that is in no token: typographic look-alikes get the plain character named.
-fn unknown(text: &str, place: &Place) -> Habit {
+fn unknown(text: &str, place: &Place<'_>) -> Habit {
     use Meant::{Tokens, Unknown};
     let first = text.chars().next().unwrap_or(' ');
     let looks: (&str, &'static [Token]) = match first {
@@ -275,8 +278,12 @@ fn unknown(text: &str, place: &Place) -> Habit {
         }
         '@' | '$' if place.next == Some(Token::Name) => (
             format!("`{first}` is not a character of the language"),
-            "A name is written without a mark before it.".to_string(),
-            Tokens(&[]),
+            match vocabulary::variable(place.next_text) {
+                Some(instead) => instead.to_string(),
+                None => "A name is written without a mark before it.".to_string(),
+            },
+            // `v@P` has the type before the mark.
+            if place.after_operand { Unknown } else { Tokens(&[]) },
         ),
         '~' => (
             "`~` is not a character of the language".to_string(),

@@ -5,6 +5,7 @@
 //! of the text, so a line that can only be a new statement ends it.
 
 use super::habit::{self, Meant, Place};
+use super::hex;
 use super::layout::{Comment, Reader, Spanned};
 use super::token::{Lexeme, Token};
 use crate::diagnostic::Diagnostic;
@@ -150,6 +151,11 @@ impl<'a> Reader<'a> {
         let word = &self.text[start..end];
         let bracket = "An expression goes on over the end of a line only inside `( )` or `[ ]`.";
         if infix && state.line.tokens.len() > 1 {
+            if let Some(error) = self.web_color(end) {
+                state.line.unreadable = true;
+                self.errors.push(error);
+                return false;
+            }
             let what = if token.is_assignment() { "the value is missing after" } else { "nothing follows" };
             state.line.unreadable = true;
             self.errors.push(
@@ -230,11 +236,24 @@ impl<'a> Reader<'a> {
         false
     }
 
+    /// The error of a colour such as `#ff0000` behind `end`, the last token of a line: it is a comment.
+    fn web_color(&self, end: usize) -> Option<Diagnostic> {
+        let behind = self.text.get(end..)?;
+        let start = end + behind.len() - behind.trim_start_matches([' ', '\t']).len();
+        let (length, instead) = hex::color(&self.text[start..])?;
+        let error = Diagnostic::error("syntax", "`#` starts a comment", self.span(start, start + length));
+        Some(error.hint(format!("Write the colour as `{instead}`.")))
+    }
+
     /// Reports the open brackets, innermost first, and gives the line up.
     fn unclosed(&mut self, state: &mut State, by: Option<usize>) {
         let open: Vec<Lexeme> = state.frames.drain(1..).rev().filter_map(|f| f.open).collect();
         let Some(inner) = open.first() else { return };
-        if !state.line.unreadable {
+        if let Some(error) =
+            state.last().and_then(|(.., end)| self.web_color(end)).filter(|_| !state.line.unreadable)
+        {
+            self.errors.push(error);
+        } else if !state.line.unreadable {
             let word = &self.text[inner.start..inner.end];
             let mut error = Diagnostic::error(
                 "syntax",
@@ -257,11 +276,13 @@ impl<'a> Reader<'a> {
     /// Takes one word of the line.
     fn word(&mut self, state: &mut State, lexeme: Lexeme) {
         let Lexeme { token, start, end } = lexeme;
+        let next = self.raw[self.next..].iter().find(|l| l.token != Token::Blank);
         let place = Place {
             first: state.line.tokens.is_empty(),
             after_operand: state.last().is_some_and(|t| t.1.ends_operand()),
             after_dot: state.last().is_some_and(|t| t.1 == Token::Dot),
-            next: self.raw[self.next..].iter().map(|l| l.token).find(|t| *t != Token::Blank),
+            next: next.map(|l| l.token),
+            next_text: next.map_or("", |l| &self.text[l.start..l.end]),
             outside: state.frames.len() == 1,
             in_for: state.line.tokens.first().is_some_and(|t| t.1 == Token::For),
             header: state.line.tokens.first().is_some_and(|t| t.1.opens_block()) && state.questions == 0,

@@ -14,6 +14,7 @@ mod error;
 mod flat;
 mod format;
 mod habit;
+mod hex;
 mod layout;
 mod line;
 mod parse;

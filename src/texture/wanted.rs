@@ -3,6 +3,7 @@
 use super::COMPONENTS;
 use crate::image::{ErrorKind, File, ImageError, Variable};
 use crate::shape::Shape;
+use crate::spelling;
 
 /// The variables that make a texture, before they are read.
 pub(super) struct Wanted {
@@ -117,10 +118,9 @@ pub(super) fn wanted(file: &str, known: &[Known<'_>], channel: Option<&str>) -> 
                 return Ok(Wanted { names, shape: Shape::Scalar, components: vec![i], opaque: false });
             }
             let error = ImageError::new(ErrorKind::Missing, format!("`{file}` has no channel \"{name}\""));
-            let alike = |k: &&Known<'_>| strsim::jaro_winkler(name, k.name);
-            let near = known.iter().max_by(|a, b| alike(a).total_cmp(&alike(b))).filter(|k| alike(k) > 0.8);
+            let near = spelling::nearest(name, known.iter().map(|k| k.name));
             let error = match near {
-                Some(near) => error.hint(format!("Did you mean \"{}\"?", near.name)),
+                Some(near) => error.hint(format!("Did you mean \"{near}\"?")),
                 None => error,
             };
             Err(error.hint(listed()))

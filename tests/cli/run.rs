@@ -66,7 +66,7 @@ fn params_are_set_by_expressions() {
     f.bad(2, "run p.pse --set k=", &["is no value"]);
     f.bad(2, "run p.pse --set k=y=3", &["is no value"]);
     f.bad(1, "run p.pse --set k=(1", &["--set k:1:1", "never closed"]);
-    f.bad(1, "run p.pse --set k=point", &["no variable `point`"]);
+    f.bad(2, "run p.pse --set k=point", &["--set cannot read pixels", "`point`"]);
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn checking() {
     let ended = f.good("check own.pse");
     assert!(ended.err.contains("nothing in the program assigns `temperature`"), "{}", ended.err);
     f.good("check good.pse --scene donut");
-    f.bad(1, "check own.pse --scene donut", &["the scene has no variable `temperature`", "surface"]);
+    f.bad(1, "check own.pse --scene donut", &["no variable `temperature`", "The scene donut has surface"]);
     f.good("scene card -o c.exr --size 4x4 -q");
     f.good("check good.pse -i c.exr");
     f.bad(1, "check own.pse -i c.exr", &["no variable `temperature`", "`point`"]);
@@ -85,6 +85,7 @@ fn documentation() {
     }
     assert_eq!(f.good("doc Noise()").text, f.good("doc Noise").text);
     f.bad(1, "doc nois", &["Did you mean Noise?"]);
+    f.bad(1, "doc voronoi", &["Noise(p, kind = \"cellular\")"]);
     f.bad(1, "doc qqqqqq", &["pse doc lists them all"]);
     let markdown = f.good("doc --markdown").text;
     assert!(markdown.starts_with("# ") && markdown.contains("### Noise") && markdown.contains("### diffuse"));

@@ -5,15 +5,17 @@ use super::super::failure::Failure;
 use super::super::frames::Frame;
 use super::super::input::Inputs;
 use super::super::interrupt::CANCEL;
+use super::super::known::Known;
 use super::super::scene::ViewArgs;
 use crate::diagnostic::SourceId;
 use crate::host::Disk;
 use crate::image::{Image, Matrix4, Variable};
 use crate::program::{Compiler, Limits, Program, RunOptions};
-use crate::resolve::tree::{Stmt, StmtKind};
+use crate::resolve::tree::{Resolved, Stmt, StmtKind};
 use crate::syntax::{self, ast};
 use crate::value::PixelValue;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The variable that has the value of an expression.
@@ -28,7 +30,7 @@ pub(super) const NAME: &str = "session";
 /// What a session knows.
 pub(super) struct Session {
     pub image: Image<'static>,
-    inputs: Inputs,
+    inputs: Arc<Inputs>,
     /// The view options, if it is an image that is looked at.
     view: Option<ViewArgs>,
     path: Vec<PathBuf>,
@@ -71,7 +73,7 @@ impl Session {
         let pixel = [image.width / 2, image.height / 2];
         Session {
             image,
-            inputs,
+            inputs: Arc::new(inputs),
             view,
             path,
             pieces: Vec::new(),
@@ -143,7 +145,10 @@ impl Session {
 
     /// Compiles a text.
     pub fn compile(&self, text: &str) -> Result<Program, Failure> {
-        Ok(Compiler::new().host(&self.host()).value(VALUE).compile(NAME, text)?)
+        let has = self.image.variables.iter().map(|v| v.name.clone()).collect();
+        let known = Known::Images { first: Some(("input".into(), has)), inputs: Arc::clone(&self.inputs) };
+        let doubt = |program: &Resolved, name: &str, span| known.doubt_before_run(program, name, span);
+        Ok(Compiler::new().host(&self.host()).value(VALUE).doubt(&doubt).compile(NAME, text)?)
     }
 
     /// Where its program finds files.

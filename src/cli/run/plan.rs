@@ -3,7 +3,8 @@
 use super::RunArgs;
 use crate::cli::failure::Failure;
 use crate::cli::frames::{Chosen, Frame};
-use crate::cli::input::ImageArgs;
+use crate::cli::input::{ImageArgs, Wanted};
+use crate::cli::known::Lazy;
 use crate::cli::progress::Style;
 use crate::cli::scene::Seen;
 use crate::cli::{frames, output, source, tiles};
@@ -12,6 +13,8 @@ use crate::eval::{MAX_THREADS, REACH};
 use crate::image::{Content, Format, Matrix4, record};
 use crate::lanes::Isa;
 use crate::program::{Program, RunOptions};
+use crate::resolve::tree::Resolved;
+use crate::resolve::{names, unknown};
 use crate::shape::Shape;
 use crate::solid::Isosurface;
 use crate::syntax;
@@ -41,7 +44,7 @@ pub(in crate::cli) struct Plan {
     /// The variable that pictures show instead of color.
     pub shown: Option<String>,
     /// The variables to read.
-    pub wanted: Vec<String>,
+    pub wanted: Wanted,
     /// Is the input's alpha written beside a colour that has none?
     pub keep_alpha: bool,
     /// How many pixels about a region the program needs to know.
@@ -102,7 +105,12 @@ impl Plan {
             return Err(Failure::usage(format!("an image and {what} cannot both go to standard output")));
         }
         let (name, text) = args.program.read()?;
-        let program = source::compile(&name, &text, &args.program.path)?;
+        let images = Lazy::new(&args.images, frames.first().and_then(|frame| frame.number));
+        let doubt = |program: &Resolved, name: &str, span| match args.solid.iso {
+            Some(_) => unknown::usual(program, name, span),
+            None => images.doubt(program, name, span),
+        };
+        let program = source::compile_for(&name, &text, &args.program.path, &doubt)?;
         frames.iter().try_for_each(|&frame| frames::check_textures(&program, frame))?;
         let vars = args.vars.as_ref().map(|v| v.iter().map(|v| v.trim().to_string()).collect::<Vec<_>>());
         let mut shown = None;
@@ -202,7 +210,7 @@ impl Plan {
             if args.mkdir {
                 output::make_folder(&path)?;
             }
-            let format = output::check(&path)?;
+            let format = output::check(&path).map_err(|failure| output::or_mkdir(failure, &path))?;
             if self.default_paths {
                 output::check_default(&path, args.force)?;
             }
@@ -287,24 +295,36 @@ pub(in crate::cli) fn reading(
     vars: &[String],
     sized: bool,
     sampled: bool,
-) -> (Vec<String>, usize) {
+) -> (Wanted, usize) {
     let sizes = reads_size(program) && !sized;
     let near = sizes || program.resolved().derivatives || sampled;
     // Points and surfaces tell to which neighbours a surface goes on; `I` is the direction to a point.
     let incident = program.inputs().any(|name| name == "I");
-    let looks = [("point", near || incident), ("surface", near)].into_iter().filter(|l| l.1).map(|l| l.0);
-    (wanted(program, vars, looks), if near { REACH } else { 0 })
+    let mut names = wanted(program, vars);
+    let mut aids = Vec::new();
+    let look = |name: &str, list: &mut Vec<String>| list.push(name.to_string());
+    match names.iter().any(|n| n == "point") {
+        false if sizes || incident => look("point", &mut names),
+        false if near => look("point", &mut aids),
+        _ => {}
+    }
+    if near && !names.iter().any(|n| n == "surface") {
+        look("surface", &mut aids);
+    }
+    (Wanted { names, aids }, if near { REACH } else { 0 })
 }
 
-/// The variables that the program may take from an image.
-fn wanted(program: &Program, vars: &[String], looks: impl Iterator<Item = &'static str>) -> Vec<String> {
-    // A variable that is only assigned at some pixels keeps the image's value at the others.
-    let own = program.resolved().globals.iter().filter(|g| !g.library && g.framed.is_none());
+/// The variables of an image that the program may see.
+fn wanted(program: &Program, vars: &[String]) -> Vec<String> {
+    let program = program.resolved();
+    let exposed = program.exposed();
+    let globals = || program.globals.iter().zip(&exposed).filter(|(g, _)| !g.library && g.framed.is_none());
+    // What is always assigned before it is read is never the image's.
+    let hidden: HashSet<&str> = globals().filter(|(_, e)| !**e).map(|(g, _)| g.name.as_str()).collect();
+    let own = globals().map(|(g, _)| g.name.as_str());
     let mut seen = HashSet::new();
-    own.map(|g| g.name.as_str())
-        .chain(vars.iter().map(String::as_str))
-        .chain(looks.map(|n| -> &str { n }))
-        .filter(|name| seen.insert(*name))
+    own.chain(vars.iter().map(String::as_str))
+        .filter(|name| !hidden.contains(name) && seen.insert(*name))
         .map(String::from)
         .collect()
 }
@@ -346,10 +366,25 @@ fn named_value(option: &str, text: &str, frame: f32, form: &str) -> Result<(Stri
         return Err(Failure::usage(format!("{option} {text} has no =")).hint(form));
     };
     let (name, expression) = (name.trim(), expression.trim());
-    let program = source::compile(&format!("{option} {name}"), expression, &[])?;
+    let title = format!("{option} {name}");
+    let program =
+        source::compile(&title, expression, &[]).map_err(|failure| match in_brackets(expression) {
+            Some(vector) => failure.hint_program(format!("Write {option} {name}='{vector}'.")),
+            None => failure,
+        })?;
     // Only then is the value that of `color`, whatever the names in it.
     if syntax::parse_expression(SourceId::default(), expression).is_none() {
-        return Err(Failure::usage(format!("{option} {name}: `{expression}` is no value")).hint(form));
+        return Err(Failure::usage(format!("{title}: `{expression}` is no value")).hint(form));
+    }
+    let of_pixel = |name: &&str| {
+        names::USUAL_INPUTS.contains(name) || names::is_system(name) && *name != "frame" || name.contains('.')
+    };
+    if let Some(read) = program.inputs().find(of_pixel) {
+        let failure =
+            Failure::usage(format!("{option} cannot read pixels, and `{read}` comes from the image"));
+        return Err(
+            failure.hint("What it gives is the same for the whole frame: numbers, constants and `frame`.")
+        );
     }
     let missing =
         |_: &str| vec![format!("What {option} gives is the same for the whole frame: it reads no pixel.")];
@@ -359,4 +394,13 @@ fn named_value(option: &str, text: &str, frame: f32, form: &str) -> Result<(Stri
     let value =
         value.ok_or_else(|| Failure::usage(format!("{option} {name}: there is no value")).hint(form))?;
     Ok((name.to_string(), value))
+}
+
+/// Numbers with commas between, as a vector of the language; `None` if that is not what the text is.
+fn in_brackets(text: &str) -> Option<String> {
+    let inner = text.trim_matches(|c| matches!(c, '[' | ']' | '(' | ')' | '{' | '}'));
+    let elements: Vec<&str> = inner.split([',', ' ']).map(str::trim).filter(|e| !e.is_empty()).collect();
+    let vector = format!("[{}]", elements.join(" "));
+    let is_vector = elements.len() > 1 && syntax::parse_expression(SourceId::default(), &vector).is_some();
+    is_vector.then_some(vector)
 }

@@ -5,6 +5,7 @@ use crate::diagnostic::Span;
 use crate::eval::{Birth, Event, EventKind, NotFinite, Printed, Trace};
 use crate::program::Program;
 use crate::value::PixelValue;
+use crate::visible::{visible, visible_name};
 
 /// Columns of the source's text at most.
 const WIDEST: usize = 44;
@@ -43,17 +44,22 @@ pub(super) fn text(about: &About<'_>, limit: usize, color: bool) -> String {
             (row.line, row.source) = Default::default();
         }
         before = here;
+        row.source = visible_name(&row.source).into_owned();
+        row.what = visible(&row.what).into_owned();
+        row.line = visible_name(&row.line).into_owned();
         rows.push(row);
     }
     let width = |of: fn(&Row) -> &str| rows.iter().map(|r| of(r).chars().count()).max().unwrap_or(0);
     let (line, rounds, source) =
         (width(|r| &r.line).max(4), width(|r| &r.rounds), width(|r| &r.source).max(6));
     let paint = |text: String, code: &str| match color {
-        true if !text.trim().is_empty() && code != "0" => format!("\x1b[{code}m{text}\x1b[0m"),
-        _ => text,
+        // Colours come last: what is hidden in the text itself is shown.
+        true if !text.trim().is_empty() && code != "0" => format!("\x1b[{code}m{}\x1b[0m", visible(&text)),
+        _ => visible(&text).into_owned(),
     };
     let [x, y] = about.trace.pixel;
-    let mut out = format!("pixel {x},{y} of {}, frame {}\n\n", about.name, about.frame);
+    let name = visible_name(about.name);
+    let mut out = format!("pixel {x},{y} of {name}, frame {}\n\n", about.frame);
     let gap = if rounds > 0 { "  " } else { "" };
     // Without loops there is no column of rounds.
     let rounds = if rounds > 0 { rounds.max(5) } else { 0 };

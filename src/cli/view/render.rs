@@ -7,6 +7,7 @@ use super::watch::Watcher;
 use crate::cli::failure::Failure;
 use crate::host::Disk;
 use crate::program::{Compiler, ParamInfo, Program, Progress, RunOptions};
+use crate::resolve::tree::Resolved;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -103,7 +104,9 @@ impl Drawing {
             return Ok(Arc::clone(program));
         }
         let host = Disk { path: session.fixed.path.clone() };
-        let program = Compiler::new().host(&host).compile(&session.name(), &job.text)?;
+        let known = self.pictures.known();
+        let doubt = |program: &Resolved, name: &str, span| known.doubt_before_run(program, name, span);
+        let program = Compiler::new().host(&host).doubt(&doubt).compile(&session.name(), &job.text)?;
         // Textures that are read already need not be read for each letter that is typed.
         if let Some((old, _, files)) = &self.compiled
             && *files == job.files

@@ -4,7 +4,8 @@ use super::PreviewArgs;
 use crate::cli::camera::{Camera, CameraRequest};
 use crate::cli::failure::Failure;
 use crate::cli::frames::{self, Frame};
-use crate::cli::input::{InputArg, Inputs, MapArg};
+use crate::cli::input::{InputArg, Inputs, MapArg, Wanted};
+use crate::cli::known::Known;
 use crate::cli::run::{reading, scene};
 use crate::cli::scene::ViewArgs;
 use crate::image::{Image, Input, Matrix4};
@@ -33,7 +34,7 @@ struct Kept {
     /// Which state of the files, and which frame of them.
     of: (u64, Option<i64>),
     /// The variables that were asked for.
-    names: Vec<String>,
+    wanted: Wanted,
     inputs: Arc<Inputs>,
     image: Arc<Image<'static>>,
 }
@@ -115,6 +116,19 @@ impl Pictures {
         scene.chain(self.kept.iter().flat_map(|kept| kept.inputs.variables())).collect()
     }
 
+    /// What is known of the images before a program has run on them.
+    pub fn known(&self) -> Known {
+        let first =
+            self.scene.as_ref().map(|scene| ("scene".to_string(), scene.names().map(String::from).collect()));
+        match (&self.kept, first) {
+            (Some(kept), first) => Known::Images { first, inputs: Arc::clone(&kept.inputs) },
+            (None, Some(first)) if self.input.is_empty() => {
+                Known::Images { first: Some(first), inputs: Arc::new(Inputs::none()) }
+            }
+            (None, _) => Known::Usual,
+        }
+    }
+
     /// What a program reads in a frame, and what else is to be shown; `files` is the number of the files' state.
     pub fn read(
         &mut self,
@@ -129,7 +143,8 @@ impl Pictures {
         let of = (files, frame.number.filter(|_| self.animated()));
         let (mut wanted, _) = reading(program, also, false, false);
         if let Some(kept) = self.kept.as_ref().filter(|kept| kept.of == of) {
-            if wanted.iter().all(|name| kept.names.contains(name)) {
+            let has = |name: &String| kept.wanted.all().any(|(kept, _)| kept == name);
+            if wanted.all().all(|(name, _)| has(name)) {
                 return Ok(Picture {
                     image: Arc::clone(&kept.image),
                     inputs: Arc::clone(&kept.inputs),
@@ -137,8 +152,13 @@ impl Pictures {
                 });
             }
             // What was wanted will be again.
-            wanted
-                .extend(kept.names.iter().filter(|name| !wanted.contains(name)).cloned().collect::<Vec<_>>());
+            let new = |of: &Vec<String>, names: &Vec<String>| -> Vec<String> {
+                names.iter().filter(|name| !of.contains(name)).cloned().collect()
+            };
+            let (names, aids) =
+                (new(&wanted.names, &kept.wanted.names), new(&wanted.aids, &kept.wanted.aids));
+            wanted.names.extend(names);
+            wanted.aids.extend(aids);
         }
         let inputs = Arc::new(Inputs::open_by(&self.input, &self.map, self.raw, frame.number, |path| {
             self.pipes.get(path).map_or_else(|| Input::from_argument(path), |pipe| Ok(pipe.clone()))
@@ -156,7 +176,7 @@ impl Pictures {
         let image = Arc::new(image);
         let view = self.view.clone();
         let picture = Picture { image: Arc::clone(&image), inputs: Arc::clone(&inputs), view };
-        self.kept = Some(Kept { of, names: wanted, inputs, image });
+        self.kept = Some(Kept { of, wanted, inputs, image });
         Ok(picture)
     }
 }
