@@ -151,7 +151,7 @@ fn buffers_of_meshes() {
 fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, |mut crc: u32, byte| {
         crc ^= u32::from(*byte);
-        (0..8).for_each(|_| crc = crc >> 1 ^ 0xedb8_8320 * (crc & 1));
+        (0..8).for_each(|_| crc = (crc >> 1) ^ (0xedb8_8320 * (crc & 1)));
         crc
     })
 }

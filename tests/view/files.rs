@@ -77,7 +77,8 @@ fn what_is_no_file_is_never_written_to() {
         make(path);
     };
     let fifo = |path: &Path| assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
-    let cases: [(&str, &dyn Fn(&Path)); 5] = [
+    type Replacement<'r> = &'r dyn Fn(&Path);
+    let cases: [(&str, Replacement<'_>); 5] = [
         ("a folder", &|path| fs::create_dir(path).unwrap()),
         ("a pipe", &fifo),
         ("an endless device", &|path| symlink("/dev/zero", path).unwrap()),
