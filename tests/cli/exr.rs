@@ -116,7 +116,8 @@ fn what_is_not_read_is_named_beside_what_is() {
     near(&f.first(&file, "color", &[]), &[0.0856, 0.5547, 0.8765]);
     assert!(f.info(&file).contains("note: `mask` is not read: it is subsampled (2 x 2)."));
     assert!(f.refused(&file, "mask").contains("`mask` is not read: it is subsampled (2 x 2)"));
-    let map = f.pse_with(&["run", "-q", "-e", "d = depth", "-i", &file, "--map", "depth=mask"], b"");
+    let map = ["run", "-q", "-e", "d = depth", "-i", &file, "--map", "depth=mask", "-o", "o.exr"];
+    let map = f.pse_with(&map, b"");
     let running = map.err.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(running.contains("`mask` of") && running.contains("It is subsampled"), "{}", map.err);
     let file = sample("part_subsampled_beside_rgba");
