@@ -126,11 +126,11 @@ impl RawPart {
         let io = |e: io::Error| ImageError::io("read", name, &e);
         let mut attributes = Vec::new();
         loop {
-            let own = null_terminated(reader).map_err(io)?;
+            let own = null_terminated(name, reader)?;
             if own.is_empty() {
                 return Ok(Some(RawPart { attributes }).filter(|part| !part.attributes.is_empty()));
             }
-            let kind = null_terminated(reader).map_err(io)?;
+            let kind = null_terminated(name, reader)?;
             let mut size = [0; 4];
             reader.read_exact(&mut size).map_err(io)?;
             let size = u64::from(u32::from_le_bytes(size));
@@ -221,14 +221,17 @@ impl RawPart {
     }
 }
 
-fn null_terminated(reader: &mut impl Read) -> io::Result<Vec<u8>> {
+/// Reads a name in the header of a file, up to the byte 0 that ends it.
+fn null_terminated(file: &str, reader: &mut impl Read) -> Result<Vec<u8>, ImageError> {
     let mut name = Vec::new();
     loop {
         let mut byte = [0];
-        reader.read_exact(&mut byte)?;
+        reader.read_exact(&mut byte).map_err(|e| ImageError::io("read", file, &e))?;
         match byte[0] {
             0 => return Ok(name),
-            _ if name.len() == MAX_NAME => return Err(io::Error::other("a name in its header is too long")),
+            _ if name.len() == MAX_NAME => {
+                return Err(ImageError::damaged(file, "a name in its header is too long"));
+            }
             b => name.push(b),
         }
     }

@@ -34,7 +34,8 @@ fn pictures_are_turned_as_they_say() {
     f.good(&format!("run -q -e color=color -i {kinds}/turned_6.tif -o b.exr"));
     assert_eq!(f.planes("a.exr", "color"), f.planes("b.exr", "color"));
     let bytes = fs::read(format!("{kinds}/turned_3.jpg")).unwrap();
-    fs::write(f.path("cut.jpg"), &bytes[..bytes.len() * 3 / 4]).unwrap();
+    // Behind its header, which is most of so small a file.
+    fs::write(f.path("cut.jpg"), &bytes[..bytes.len() - 40]).unwrap();
     for command in ["info cut.jpg", "run -q -e color=color -i cut.jpg -o c.exr"] {
         f.bad(1, command, &["`cut.jpg` is damaged or incomplete: it ends too early"]);
     }

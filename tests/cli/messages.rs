@@ -239,7 +239,11 @@ fn nothing_from_a_file_reaches_the_terminal_raw() {
     safe("a quoted header", &["info", "n.ply"]);
     f.write(
         "n.gltf",
-        "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": 4, \"uri\": \"x\\u001b]0;y\\u0007\\u202e.bin\"}]}",
+        "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": 36, \"uri\": \"x\\u001b]0;y\\u0007\\u202e.bin\"}], \
+          \"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}], \
+          \"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"}], \
+          \"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0}}]}], \
+          \"nodes\": [{\"mesh\": 0}], \"scenes\": [{\"nodes\": [0]}], \"scene\": 0}",
     );
     safe("a URI", &["info", "n.gltf"]);
     // A text for programs is not changed on its way into one.

@@ -107,7 +107,8 @@ fn cut_outs_agree_with_one_another() {
 #[test]
 fn whole_files_hold_what_their_description_says() {
     let shared = directory("../shared/gbuffers");
-    let list = files(&shared);
+    let mut list = files(&shared);
+    list.retain(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("donut_")));
     if list.is_empty() {
         return;
     }
