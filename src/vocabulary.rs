@@ -65,10 +65,7 @@ static VARIABLES: &[Entry] = &[
         ],
         "The normal is called `normal` here.",
     ),
-    (
-        &["Z", "Zdepth", "zdepth", "ZDepth", "depthZ", "sceneDepth", "linearDepth", "gl_FragDepth", "mist"],
-        DEPTH,
-    ),
+    (&["Z", "Zdepth", "zdepth", "ZDepth", "depthZ", "sceneDepth", "linearDepth", "gl_FragDepth"], DEPTH),
     (
         &[
             "Ci",
@@ -639,7 +636,26 @@ fn by_word(entries: &[Entry]) -> HashMap<&'static str, &'static str> {
 
 /// What to write instead of a variable of another language, as a sentence. A function's name says it too.
 pub fn variable(name: &str) -> Option<&'static str> {
-    BY_VARIABLE.get(name).or_else(|| BY_FUNCTION.get(name)).copied()
+    let exact = || BY_VARIABLE.get(name).or_else(|| BY_FUNCTION.get(name));
+    // Short words of different case are different words: `N` and `n`.
+    let loose = || if name.len() < SHORTEST_LOOSE { None } else { LOOSE.get(&without_case(name)) };
+    exact().or_else(loose).copied()
+}
+
+/// Variables' words of so many bytes are known whatever their capitals and underlines.
+const SHORTEST_LOOSE: usize = 4;
+
+/// The variables' words without capitals and underlines: `WorldPosition`, `world_position`.
+static LOOSE: LazyLock<HashMap<String, &'static str>> = LazyLock::new(|| {
+    let long = BY_VARIABLE.iter().filter(|(word, _)| word.len() >= SHORTEST_LOOSE);
+    let mut words: Vec<_> = long.map(|(word, here)| (without_case(word), *here)).collect();
+    // Of words that differ in case alone, always the same one.
+    words.sort_unstable();
+    words.into_iter().collect()
+});
+
+fn without_case(word: &str) -> String {
+    word.replace('_', "").to_lowercase()
 }
 
 /// What to write instead of a function of another language, as a sentence. A variable's name says it too.

@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Which shell.
 #[derive(Debug, Args)]
@@ -28,6 +28,9 @@ pub(super) struct ManArgs {
     /// Write a page for each command into this folder, instead of pse(1) to standard output
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Replace files that are no manual pages of pse
+    #[arg(long, requires = "output")]
+    force: bool,
 }
 
 /// The arguments, with the names that a shell can offer: scenes and the names that `pse doc` explains. Running checks
@@ -72,9 +75,22 @@ pub(super) fn man(args: &ManArgs) -> Result<(), Failure> {
     for (name, command) in std::iter::once(("pse".to_string(), command))
         .chain(subcommands.into_iter().map(|c| (format!("pse-{}", c.get_name()), c)))
     {
-        write_file(&folder.join(format!("{name}.1")), &page(command, &name)?)?;
+        let path = folder.join(format!("{name}.1"));
+        if !args.force && is_foreign(&path, &name) {
+            return Err(Failure::plain(format!("`{}` exists, and is no manual page of pse", path.display()))
+                .hint("Give another folder, or replace it with --force."));
+        }
+        write_file(&path, &page(command, &name)?)?;
     }
     Ok(())
+}
+
+/// Whether something else has the name of a page: a link, or a file without the page's title.
+fn is_foreign(path: &Path, name: &str) -> bool {
+    let Ok(about) = fs::symlink_metadata(path) else { return false };
+    let title = format!(".TH {name} 1");
+    let bytes = crate::files::regular(path).and_then(|file| crate::files::read_all(file, 1 << 20));
+    !about.is_file() || !bytes.is_ok_and(|bytes| String::from_utf8_lossy(&bytes).contains(&title))
 }
 
 fn page(command: Command, name: &str) -> Result<Vec<u8>, Failure> {

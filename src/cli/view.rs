@@ -71,14 +71,14 @@ impl PreviewArgs {
 /// Shows the page until it is interrupted, which ends it as it is: nothing is half written.
 pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
     let pictures = Pictures::new(args)?;
-    let frame = args.first_frame().value;
+    let frame = args.first_frame();
     let mut values = Vec::new();
     for text in &args.set {
-        let (name, value) = set(text, frame)?;
+        let (name, value) = set(text, frame.value)?;
         let shown = text.split_once('=').map_or("", |(_, value)| value).trim().to_string();
         values.push((name, shown, value));
     }
-    let spaces = args.images.space.iter().map(|text| space(text, frame)).collect::<Result<_, _>>()?;
+    let spaces = args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<_, _>>()?;
     let text = match program(&args.program)? {
         Some(text) => text,
         None => {

@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 use super::error::{ErrorKind, ImageError};
-use super::reading::{Content, check_output};
+use super::reading::{Content, check_output, check_standard_output, record_output};
 use super::unfinished::Unfinished;
 use crate::quote;
 use std::fs;
@@ -54,7 +54,7 @@ pub fn check_target(path: &Path) -> Result<(), ImageError> {
 fn target_of(path: &Path, content: Content) -> Result<PathBuf, ImageError> {
     let shown = path.display();
     let fail = |e: io::Error| ImageError::io("write", &shown.to_string(), &e);
-    check_output(path, content)?;
+    check_output(path, &shown.to_string(), content)?;
     let about = match fs::metadata(path) {
         Ok(about) => Some(about),
         Err(e) if e.kind() == io::ErrorKind::NotFound => None,
@@ -117,6 +117,7 @@ impl NewFile {
 
     fn create_with(path: &Path, content: Content) -> Result<NewFile, ImageError> {
         if path.as_os_str() == "-" {
+            check_standard_output()?;
             return Ok(NewFile::kept("standard output".into(), path, content));
         }
         let shown = path.display().to_string();
@@ -156,16 +157,18 @@ impl NewFile {
         let fail = |e: io::Error| ImageError::io("write", &self.shown, &e);
         match self.place {
             Place::Beside { file, target, unfinished } => {
-                check_output(&target, self.content)?;
+                check_output(&target, &self.shown, self.content)?;
                 if let Ok(existing) = fs::metadata(&target) {
                     take_over(file.as_file(), &existing);
                 }
                 file.persist(&target).map_err(|e| fail(e.error))?;
+                record_output(&target, &self.shown);
                 drop(unfinished);
             }
             Place::Kept { mut bytes, target } => {
                 bytes.rewind().map_err(fail)?;
                 if target.as_os_str() == "-" {
+                    check_standard_output()?;
                     let mut out = io::stdout().lock();
                     io::copy(&mut bytes, &mut out).and_then(|_| out.flush()).map_err(fail)?;
                 } else {

@@ -82,11 +82,21 @@ pub(crate) fn check_size(
     pixel_bytes: u64,
     file_bytes: u64,
 ) -> Result<(), ImageError> {
-    let size = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(pixel_bytes));
+    check_bits(file, width, height, pixel_bytes.saturating_mul(8), file_bytes)
+}
+
+/// The same for pixels of so many bits.
+pub(crate) fn check_bits(
+    file: &str,
+    width: u64,
+    height: u64,
+    pixel_bits: u64,
+    file_bytes: u64,
+) -> Result<(), ImageError> {
+    let size = (u128::from(width) * u128::from(height)).checked_mul(pixel_bits.into());
+    let limit = FREE.max(file_bytes.saturating_mul(RATIO)).min(isize::MAX as u64);
     match size {
-        Some(size) if size <= FREE.max(file_bytes.saturating_mul(RATIO)) && size <= isize::MAX as u64 => {
-            Ok(())
-        }
+        Some(bits) if bits.div_ceil(8) <= limit.into() => Ok(()),
         _ => Err(ImageError::new(
             ErrorKind::TooLarge,
             format!("`{file}` claims {width} x {height} pixels, more than its {file_bytes} bytes can hold"),

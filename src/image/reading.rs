@@ -35,6 +35,8 @@ pub(crate) enum Force {
 #[derive(Debug, Default)]
 struct Registry {
     files: HashMap<Identity, (String, Content)>,
+    /// The outputs that are finished, by the name that they were written under.
+    written: HashMap<Identity, String>,
     force: Force,
 }
 
@@ -138,17 +140,51 @@ pub(super) fn unrecorded<T>(path: &Path, look: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Refuses an output that would replace a file which was opened for reading; `writes` is what the output holds.
+/// Refuses an output that would replace a file which was opened for reading, or another output; `shown` is what messages
+/// call it, and `writes` what it holds.
 ///
 /// # Errors
 /// If it would.
-pub(super) fn check_output(path: &Path, writes: Content) -> Result<(), ImageError> {
+pub(super) fn check_output(path: &Path, shown: &str, writes: Content) -> Result<(), ImageError> {
+    check(identity_of(path), shown, writes)
+}
+
+/// The same for standard output, which may lead into a file.
+///
+/// # Errors
+/// If that file was opened for reading.
+pub(super) fn check_standard_output() -> Result<(), ImageError> {
+    check(standard_output(), "standard output", Content::Data)
+}
+
+#[cfg(unix)]
+fn standard_output() -> Option<Identity> {
+    use std::os::fd::AsFd;
+    let file = File::from(io::stdout().as_fd().try_clone_to_owned().ok()?);
+    identity(Path::new(""), &file.metadata().ok()?)
+}
+
+#[cfg(not(unix))]
+fn standard_output() -> Option<Identity> {
+    None
+}
+
+/// Records a finished output: another one may not replace it under another name.
+pub(super) fn record_output(path: &Path, shown: &str) {
+    if let (Some(registry), Some(identity)) = (&mut *registry(), identity_of(path)) {
+        registry.written.insert(identity, shown.to_string());
+    }
+}
+
+fn check(identity: Option<Identity>, shown: &str, writes: Content) -> Result<(), ImageError> {
     let guard = registry();
-    let Some(registry) = guard.as_ref().filter(|registry| !registry.files.is_empty()) else { return Ok(()) };
-    let Some((name, content)) = identity_of(path).and_then(|identity| registry.files.get(&identity)) else {
-        return Ok(());
-    };
-    let shown = path.display();
+    let (Some(registry), Some(identity)) = (guard.as_ref(), identity) else { return Ok(()) };
+    if let Some(other) = registry.written.get(&identity).filter(|other| *other != shown) {
+        let message = format!("the output `{shown}` is the same file as the output `{other}`");
+        return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::AlreadyExists), message)
+            .hint("Write to another file."));
+    }
+    let Some((name, content)) = registry.files.get(&identity) else { return Ok(()) };
     let (what, may) = match content {
         Content::Program => ("program", writes == Content::Program),
         Content::Data => ("input", registry.force == Force::Given),

@@ -91,11 +91,16 @@ impl<'f> RasterScan<'f> {
     }
 }
 
+/// What the decoder of PNG may use beside the picture, in bytes: rows of up to a million pixels, and blocks such as colour
+/// profiles, which a few compressed bytes can make very large.
+const MAX_PNG_MEMORY: u64 = 64 << 20;
+
 pub(super) fn png_decoder(
     reader: Box<dyn ReadSeek>,
     limit: u64,
 ) -> png::Decoder<BufReader<Box<dyn ReadSeek>>> {
-    let limits = png::Limits { bytes: limit as usize };
+    // Rows come one after another, so only the blocks beside the pixels could need much.
+    let limits = png::Limits { bytes: limit.min(MAX_PNG_MEMORY) as usize };
     let mut decoder = png::Decoder::new_with_limits(BufReader::new(reader), limits);
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);

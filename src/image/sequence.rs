@@ -35,6 +35,9 @@ impl From<f32> for Frame {
 /// The greatest number of a frame; all up to it are exact in 64-bit floats too.
 pub const MAX_FRAME: i64 = 1_000_000_000_000_000;
 
+/// The most digits that a frame's number is padded to.
+const MAX_WIDTH: usize = 255;
+
 /// The first pattern in a text: where it is, and how many digits the number is padded to. Patterns are `####`, `@@@@`
 /// (two or more; `#` may also be one), `%d` and `%04d`.
 fn pattern(text: &str) -> Option<(std::ops::Range<usize>, usize)> {
@@ -94,6 +97,8 @@ fn filled(text: &str, frame: i64) -> String {
     let mut rest = text;
     while let Some((range, width)) = pattern(rest) {
         out.push_str(&rest[..range.start]);
+        // No file system has longer names, and the formatter panics at widths above 65535.
+        let width = width.min(MAX_WIDTH);
         out.push_str(&format!("{frame:0width$}"));
         rest = &rest[range.end..];
     }

@@ -180,3 +180,58 @@ fn names_by_default_replace_no_other_programs_files() {
         }
     }
 }
+
+/// Standard output may lead into a file that is read, and a link from one frame's name to another's.
+#[cfg(unix)]
+#[test]
+fn outputs_without_names_of_their_own() {
+    use std::fs::OpenOptions;
+    use std::process::Command;
+    let f = Folder::new();
+    f.good("run -q -e white --size 4x4 -o in.exr");
+    let before = f.read("in.exr");
+    let file = OpenOptions::new().append(true).open(f.path("in.exr")).expect("the input");
+    let ended = Command::new(env!("CARGO_BIN_EXE_pse"))
+        .current_dir(f.path(""))
+        .args(["run", "-q", "-e", "color = 0.5 * color", "-i", "in.exr", "-o", "-"])
+        .stdout(file)
+        .output()
+        .expect("the command");
+    let said = String::from_utf8_lossy(&ended.stderr).into_owned();
+    assert!(
+        ended.status.code() == Some(1) && said.contains("standard output") && said.contains("in.exr"),
+        "{said}"
+    );
+    assert_eq!(f.read("in.exr"), before);
+
+    std::os::unix::fs::symlink("f.1.png", f.path("f.2.png")).expect("a link");
+    f.bad(
+        1,
+        "run -q -e white*frame/5 --size 8x8 --frames 1-3 -o f.%d.png",
+        &["`f.2.png` is the same file as the output `f.1.png`"],
+    );
+    let first = f.read("f.1.png");
+    f.good("run -q -e white*frame/5 --size 8x8 --frame 1 -o g.png");
+    assert_eq!(first, f.read("g.png"));
+}
+
+/// The list of a bundle may be anything: it is not waited for, and no folder behind a link is removed.
+#[cfg(unix)]
+#[test]
+fn lists_of_bundles_are_not_trusted() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white\n");
+    f.good("job p.pse -o j -q");
+    let list = f.path("j/pse-bundle.json");
+    std::fs::create_dir_all(f.path("other/empty")).expect("a folder");
+    std::os::unix::fs::symlink("../other", f.path("j/x")).expect("a link");
+    let text = std::fs::read_to_string(&list).expect("the list");
+    let forged = text.replace("\"folders\": [", "\"folders\": [\"x/empty\", ");
+    assert_ne!(forged, text);
+    std::fs::write(&list, forged).expect("the list");
+    f.good("job p.pse -o j -q");
+    assert!(f.path("other/empty").exists());
+    std::fs::remove_file(&list).expect("the list");
+    assert!(std::process::Command::new("mkfifo").arg(&list).status().expect("mkfifo").success());
+    f.bad(1, "job p.pse -o j -q", &["pse-bundle.json"]);
+}

@@ -124,6 +124,12 @@ fn manual_pages() {
     let run = String::from_utf8(f.read("pages/pse-run.1")).expect("UTF-8");
     assert!(run.contains(".TH pse-run 1") && run.contains("\\fB\\-\\-frames\\fR"), "{run}");
     assert!(f.path("pages/pse.1").exists());
+    // Pages replace pages, and nothing else.
+    f.good("man -o pages");
+    f.write("pages/pse-run.1", "mine\n");
+    f.bad(1, "man -o pages", &["pse-run.1` exists", "--force"]);
+    assert_eq!(f.read("pages/pse-run.1"), b"mine\n");
+    f.good("man -o pages --force");
 }
 
 /// What is known of the camera is known to `check` too.

@@ -203,11 +203,15 @@ impl Drop for Staged {
     }
 }
 
+/// The longest template that is read, in bytes.
+const MAX_TEMPLATE: u64 = 64 << 20;
+
 /// Makes a bundle independent of the staged files that a killed command has left, and removes these.
 fn finish_interrupted(bundle: &Path, old: &Manifest) -> Result<(), Failure> {
     let staged = bundle.join(STAGED);
     let template = bundle.join(TEMPLATE);
-    let text = fs::read_to_string(&template).unwrap_or_default();
+    let bytes = crate::files::regular(&template).and_then(|file| crate::files::read_all(file, MAX_TEMPLATE));
+    let text = String::from_utf8_lossy(&bytes.unwrap_or_default()).into_owned();
     if text.contains(&staged_folder()) {
         let program = staged.join(FOLDER);
         let mut list = Manifest::default();
@@ -273,7 +277,9 @@ impl Change<'_> {
         }
         // The innermost first. One with something else in it stays.
         for folder in self.old.folders.difference(&self.new.folders).collect::<Vec<_>>().into_iter().rev() {
-            let _ = fs::remove_dir(self.bundle.join(folder));
+            if manifest::is_own_folder(self.bundle, folder) {
+                let _ = fs::remove_dir(self.bundle.join(folder));
+            }
         }
         self.write_list(self.new, &list)?;
         let staged = &self.staged.path;

@@ -10,6 +10,9 @@ use std::path::{Component, Path, PathBuf};
 /// Its name in the bundle.
 pub(super) const NAME: &str = "pse-bundle.json";
 
+/// The longest list that is read, in bytes.
+const MAX_LENGTH: u64 = 64 << 20;
+
 /// The version of the list's form.
 const VERSION: u64 = 1;
 
@@ -26,8 +29,10 @@ impl Manifest {
     /// The list of a bundle; `None` where there is none.
     pub fn read(bundle: &Path) -> Result<Option<Manifest>, Failure> {
         let path = bundle.join(NAME);
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
+        // The bundle may come from anybody, so the list may be anything.
+        let bytes = crate::files::regular(&path).and_then(|file| crate::files::read_all(file, MAX_LENGTH));
+        let text = match bytes {
+            Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(Failure::plain(format!("cannot read `{}`: {}", path.display(), why(&e)))),
         };
@@ -128,6 +133,15 @@ impl Manifest {
         Err(Failure::plain(format!("`{}` was changed after pse wrote it", path.display()))
             .hint("Move it away, or let it be replaced with --force."))
     }
+}
+
+/// Whether a folder of the bundle is one, and no link leads to it: only such a folder is removed.
+pub(super) fn is_own_folder(bundle: &Path, at: &Path) -> bool {
+    let mut path = bundle.to_path_buf();
+    at.components().all(|part| {
+        path.push(part);
+        fs::symlink_metadata(&path).is_ok_and(|about| about.is_dir())
+    })
 }
 
 /// A place in a bundle: never outside of it.

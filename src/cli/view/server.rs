@@ -225,7 +225,7 @@ impl Server {
             }
             "complete" => return Ok(told(&self.complete(&text("text")?, body))),
             "hover" => return Ok(told(&self.hover(&text("text")?, body))),
-            "frame" => self.session.go(body["frame"].as_f64().unwrap_or(f64::NAN) as f32),
+            "frame" => self.session.go(body["frame"].as_f64().unwrap_or(f64::NAN)),
             _ => return Err((404, format!("there is no {path}"))),
         };
         match done {
@@ -290,7 +290,7 @@ impl Server {
         let wanted = TraceOptions { depth: u32::MAX, ..TraceOptions::default() };
         match program.trace(&picture.image, column, row, &options, &wanted) {
             Ok(trace) => {
-                let json = trace::to_json(&trace, program, &self.session.name(), *frame);
+                let json = trace::to_json(&trace, program, &self.session.name(), frame.value);
                 Ok(response(json.into_bytes(), "application/json"))
             }
             Err(error) => Err((400, Failure::from(error).message())),

@@ -4,6 +4,7 @@ use super::disk::OnDisk;
 use super::source::Picture;
 use super::told;
 use crate::cli::failure::Failure;
+use crate::cli::frames::Frame;
 use crate::cli::run::set;
 use crate::image::{Image, Matrix4, same_file, write_program};
 use crate::program::{Limits, ParamInfo, Program, RunOptions};
@@ -54,7 +55,7 @@ pub(super) struct Ran {
     /// What it ran on.
     pub picture: Picture,
     /// What it ran with.
-    pub frame: f32,
+    pub frame: Frame,
     /// Values that were set.
     pub set: Vec<(String, PixelValue)>,
 }
@@ -78,7 +79,7 @@ pub(super) struct State {
     /// Params that are set: name, text, value.
     pub set: Vec<(String, String, PixelValue)>,
     /// The frame.
-    pub frame: f32,
+    pub frame: Frame,
     /// Variables to show beside the outputs.
     pub also: Vec<String>,
     /// The number of the newest change that asks for a picture.
@@ -127,13 +128,13 @@ pub(super) struct Job {
     pub files: u64,
     pub text: String,
     pub set: Vec<(String, PixelValue)>,
-    pub frame: f32,
+    pub frame: Frame,
     pub also: Vec<String>,
 }
 
 impl Session {
     /// A preview of this text.
-    pub fn new(fixed: Fixed, text: String, frame: f32, set: Vec<(String, String, PixelValue)>) -> Session {
+    pub fn new(fixed: Fixed, text: String, frame: Frame, set: Vec<(String, String, PixelValue)>) -> Session {
         let windows = text.contains("\r\n");
         let text = if windows { text.replace("\r\n", "\n") } else { text };
         let disk = OnDisk::read(&fixed.file);
@@ -378,7 +379,7 @@ impl Session {
 
     /// Sets a param to what an expression gives, or lets the program say what it is.
     pub fn set(&self, name: &str, text: Option<&str>) -> Result<(), Failure> {
-        let frame = self.state().frame;
+        let frame = self.state().frame.value;
         let value = match text {
             Some(text) => Some((text.trim().to_string(), set(&format!("{name}={text}"), frame)?.1)),
             None => None,
@@ -394,12 +395,12 @@ impl Session {
     }
 
     /// Goes to another frame.
-    pub fn go(&self, frame: f32) -> Result<(), Failure> {
-        if !frame.is_finite() {
+    pub fn go(&self, frame: f64) -> Result<(), Failure> {
+        if !(frame as f32).is_finite() {
             return Err(Failure::plain(format!("{frame} is no frame")));
         }
         let mut state = self.state();
-        state.frame = frame;
+        state.frame = frame.into();
         self.redraw(&mut state);
         self.tell_state(&mut state);
         Ok(())
@@ -447,14 +448,15 @@ impl Session {
     /// How programs are run.
     pub fn options<'a>(
         &'a self,
-        frame: f32,
+        frame: Frame,
         set: &[(String, PixelValue)],
         program: &Program,
     ) -> RunOptions<'a> {
         // What was set stays so, also while the program has no such param.
         let has = |name: &str| program.resolved().slot(name).is_some();
         RunOptions {
-            frame,
+            frame: frame.value,
+            frame_number: frame.number,
             set: set.iter().filter(|(name, _)| has(name)).cloned().collect(),
             spaces: self.fixed.spaces.clone(),
             pixelsize: self.fixed.pixelsize,

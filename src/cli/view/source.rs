@@ -100,9 +100,8 @@ impl Pictures {
     }
 
     /// The files of a frame.
-    pub fn files(&self, number: f32) -> Vec<PathBuf> {
-        let number = Frame::from(number).number;
-        self.input.iter().map(|input| frames::input(&input.path, number)).collect()
+    pub fn files(&self, frame: Frame) -> Vec<PathBuf> {
+        self.input.iter().map(|input| frames::input(&input.path, frame.number)).collect()
     }
 
     /// Is every frame another image?
@@ -134,10 +133,9 @@ impl Pictures {
         &mut self,
         program: &Program,
         also: &[String],
-        number: f32,
+        frame: Frame,
         files: u64,
     ) -> Result<Picture, Failure> {
-        let frame = Frame::from(number);
         let mut sequences = self.input.iter().filter(|input| frames::is_sequence(&input.path));
         sequences.try_for_each(|input| frames::check_number(&input.path, frame))?;
         let of = (files, frame.number.filter(|_| self.animated()));

@@ -2,6 +2,7 @@
 
 use super::session::{Session, State};
 use crate::cli::failure::Failure;
+use crate::cli::frames::Frame;
 use crate::diagnostic::{Diagnostic, Severity, SourceId, Style};
 use crate::image::Image;
 use crate::program::Error;
@@ -16,6 +17,11 @@ pub(super) fn event(name: &str, value: &Value) -> String {
 /// A number as JSON has them; what is none as nothing.
 fn number(x: f32) -> Value {
     x.to_string().parse::<f64>().map_or(Value::Null, |short| json!(short))
+}
+
+/// A frame's exact number, or its place between two frames.
+fn frame(frame: Frame) -> Value {
+    frame.number.map_or_else(|| number(frame.value), |number| json!(number))
 }
 
 /// All but pictures.
@@ -49,7 +55,7 @@ pub(super) fn state(session: &Session, state: &State) -> Value {
         "saves": state.saves,
         "conflict": state.conflict,
         "params": params,
-        "frame": number(state.frame),
+        "frame": frame(state.frame),
         "animated": state.animated,
         "inputs": state.inputs,
         "assigned": state.assigned,
@@ -67,7 +73,7 @@ pub(super) struct Told {
     pub milliseconds: f64,
     /// Pixels with NaN or infinity.
     pub odd: usize,
-    pub frame: f32,
+    pub frame: Frame,
 }
 
 /// What pages are told of a picture.
@@ -90,7 +96,7 @@ pub(super) fn picture(told: &Told, image: &Image<'_>) -> Value {
         "milliseconds": told.milliseconds,
         "pixels": image.width * image.height,
         "odd": told.odd,
-        "frame": number(told.frame),
+        "frame": frame(told.frame),
     })
 }
 

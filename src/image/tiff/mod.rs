@@ -143,13 +143,7 @@ impl Tiff {
         let pixel = layout.channels.len() as u64 * layout.sample_bytes();
         guard::check_size(&name, width, height, pixel, file.length())?;
         let stored = (count * storage.bits) as u64;
-        guard::check_size(
-            &name,
-            chunk[0],
-            chunk[1].saturating_mul(stored),
-            1,
-            file.length().saturating_mul(8),
-        )?;
+        guard::check_bits(&name, chunk[0], chunk[1], stored, file.length())?;
         if width == 0 || height == 0 || chunk.contains(&0) {
             return Err(ImageError::damaged(&name, "it has no pixels"));
         }
