@@ -1,5 +1,5 @@
-//! Opens files for reading. A path that a program or another file names may lead anywhere, so [`regular`] and
-//! [`Folders::open`] take regular files only, and never wait; a path that the user gives may be a pipe ([`given`]).
+//! Opens files for reading. A path that a program or another file names may lead anywhere, so `regular` and
+//! `Folders::open` take regular files only, and never wait; a path that the user gives may be a pipe (`given`).
 
 use std::fmt;
 use std::fs::{self, File, FileType};
