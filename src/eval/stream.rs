@@ -33,7 +33,7 @@ impl<'o> Stream<'o> {
     }
 
     /// Runs the next rows, which `image` holds, perhaps with others about them: programs that compare neighbours
-    /// need `REACH` more above and below.
+    /// need three more above and below.
     ///
     /// `None`: an output has more components here than in the rows before. They must all be run again, from the first
     /// on, and will then have as many.
