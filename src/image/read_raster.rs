@@ -9,11 +9,12 @@
 use super::error::{ErrorKind, ImageError};
 use super::file::{Channel, Samples};
 use super::layout::{Layout, oriented_size};
+use super::scan_raster::MAX_PNG_MEMORY;
 use super::source::Input;
 use super::tga::Tga;
 use super::tiff::Tiff;
 use super::{bmp, guard, hdr, png_chunks, tga, tiff};
-use ::image::{ImageDecoder, ImageFormat, ImageReader};
+use ::image::{ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::{BufReader, Cursor, Read};
 
 /// What the header of such a file says.
@@ -169,6 +170,12 @@ fn header_of(input: &Input, kind: ImageFormat) -> Result<([usize; 2], Layout, u8
                 let (reader, _) = input.open()?;
                 let mut reader = ImageReader::with_format(BufReader::new(reader), kind);
                 reader.no_limits();
+                if kind == ImageFormat::Png {
+                    // Its colour profile is packed, and read here though nobody asks for it.
+                    let mut limits = Limits::no_limits();
+                    limits.max_alloc = Some(MAX_PNG_MEMORY);
+                    reader.limits(limits);
+                }
                 Box::new(reader.into_decoder().map_err(|e| explain(&name, e))?)
             }
         };
@@ -217,7 +224,7 @@ pub(super) fn bmp_reader(
 /// Whether the rows of a PNG come in several passes; also checks that its bytes can hold its rows.
 fn is_interlaced(input: &Input, name: &str) -> Result<bool, ImageError> {
     let (reader, length) = input.open()?;
-    let mut decoder = super::scan_raster::png_decoder(reader, 64 << 20);
+    let mut decoder = super::scan_raster::png_decoder(reader, MAX_PNG_MEMORY);
     let header = |about: &png::Info<'_>| {
         let row = about.bits_per_pixel() as u64 * u64::from(about.width);
         (about.interlaced, guard::fits_deflate(row, about.height.into(), length))

@@ -93,7 +93,7 @@ impl<'f> RasterScan<'f> {
 
 /// What the decoder of PNG may use beside the picture, in bytes: rows of up to a million pixels, and blocks such as colour
 /// profiles, which a few compressed bytes can make very large.
-const MAX_PNG_MEMORY: u64 = 64 << 20;
+pub(super) const MAX_PNG_MEMORY: u64 = 64 << 20;
 
 pub(super) fn png_decoder(
     reader: Box<dyn ReadSeek>,
