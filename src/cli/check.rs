@@ -150,7 +150,7 @@ fn inputs(program: &Program, known: &Known) -> Vec<Diagnostic> {
     };
     let program = program.resolved();
     let doubt = |(name, span)| match name {
-        // A run may be told by `--space`.
+        // `--space` may define it for the run.
         "eye" => camera.as_deref().map(|why| no_eye(span, Some(why)).warning()),
         // It is made of the points and the eye.
         "I" if camera.is_none() && known.has("point") => None,

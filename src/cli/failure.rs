@@ -151,7 +151,7 @@ pub(super) fn warn(line: &str) {
     warn_rendered(&visible(line));
 }
 
-/// The like for messages that were rendered, in which the only hidden characters are those of colours.
+/// The same for rendered messages, in which the only hidden characters are those of colours.
 pub(super) fn warn_rendered(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }

@@ -49,7 +49,7 @@ pub(super) fn compile(name: &str, text: &str, path: &[PathBuf]) -> Result<Progra
     Ok(Compiler::new().host(&host).compile(name, text)?)
 }
 
-/// The like, for images that `doubt` knows.
+/// The same, for images that `doubt` knows.
 pub(super) fn compile_for(
     name: &str,
     text: &str,

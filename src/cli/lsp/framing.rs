@@ -114,7 +114,7 @@ impl<R: Read> Frames<R> {
         count.map(|count| count > 0)
     }
 
-    /// Leaves out all that comes before the next header that states a length, but `at_least` so many bytes.
+    /// Leaves out all that comes before the next header that states a length, but at least `at_least` bytes.
     fn skip(&mut self, at_least: usize) -> io::Result<()> {
         self.bytes.drain(..at_least.min(self.bytes.len()));
         loop {
@@ -185,7 +185,7 @@ mod tests {
 
     const NOTE: &str = r#"{"jsonrpc":"2.0","method":"note"}"#;
 
-    /// Gives so many bytes at a time.
+    /// Yields a fixed number of bytes at a time.
     struct Drops<'b>(&'b [u8], usize);
 
     impl Read for Drops<'_> {

@@ -289,7 +289,7 @@ impl Session {
     /// Writes the text into the file, if that is what it was when the page last heard of it.
     pub fn save(&self, text: String, from: &str, saves: u64) -> Result<(), Failure> {
         let _one_at_a_time = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
-        // The file may have changed a moment ago, and nobody has told yet.
+        // The file may have changed a moment ago, and the event has not arrived yet.
         let disk = OnDisk::read(&self.fixed.file);
         self.edit(text.clone(), from, saves);
         let windows = {
@@ -338,7 +338,7 @@ impl Session {
     /// The program's file has changed, or something beside it.
     pub fn files_changed(&self, paths: &[PathBuf]) {
         let own = |path: &&PathBuf| same_file(path, &self.fixed.file) || **path == self.fixed.file;
-        // Editors may take the file away before they put the new one there: a later event tells of that.
+        // Editors may take the file away before they put the new one there: a later event reports that.
         let disk = paths.iter().any(|path| own(&path)).then(|| OnDisk::read(&self.fixed.file));
         let mut state = self.state();
         if paths.iter().any(|path| !own(&path)) {
