@@ -87,11 +87,11 @@ impl Scene {
         resample: bool,
         threads: Option<usize>,
     ) -> Image<'static> {
-        let again = |_: &Image<'_>, places: &pse::eval::Places| {
+        let again = |_: &Image<'_>, places: &pse::internal::eval::Places| {
             let rows = self.renderer.rows_at(0..HEIGHT, |pixel| places.offset(pixel));
             rows.map_err(|e| e.to_string())
         };
-        let resample = resample.then_some(&again as &pse::eval::Resample<'_>);
+        let resample = resample.then_some(&again as &pse::internal::eval::Resample<'_>);
         let options = RunOptions { samples: sampling, resample, threads, ..RunOptions::default() };
         program.run(&self.image, &options).expect("the patterns run").image
     }

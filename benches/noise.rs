@@ -16,8 +16,8 @@ use criterion::{
     BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_group, measurement::WallTime,
 };
 use noise::{NoiseFn, Perlin};
-use pse::lanes::{Arg, Isa};
-use pse::math;
+use pse::internal::lanes::{Arg, Isa};
+use pse::internal::math;
 use pse::noise::{Field, KINDS, Kind, Opt, Params, random};
 use table::Turns;
 

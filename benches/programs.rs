@@ -7,7 +7,7 @@ mod table;
 
 use criterion::{Criterion, SamplingMode, Throughput};
 use native::Native;
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 use pse::{Image, Program, RunOptions, Shape, Variable, scene};
 use std::borrow::Cow;
 use std::hint::black_box;

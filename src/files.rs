@@ -11,7 +11,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// If the operating system refuses, or it is another kind of file.
-pub(crate) fn regular(path: &Path) -> io::Result<File> {
+pub fn regular(path: &Path) -> io::Result<File> {
     open_regular(path, 0)
 }
 
@@ -61,7 +61,7 @@ fn special(kind: FileType) -> &'static str {
 ///
 /// # Errors
 /// If the operating system refuses, or it is a folder or a device.
-pub(crate) fn given(path: &Path) -> io::Result<File> {
+pub fn given(path: &Path) -> io::Result<File> {
     let kind = fs::metadata(path)?.file_type();
     match kind.is_file() || kind.is_dir() || special(kind) == "a device" {
         true => regular(path),
@@ -73,7 +73,7 @@ pub(crate) fn given(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 /// If reading fails, memory does not suffice, or there are more.
-pub(crate) fn read_all(file: File, limit: u64) -> io::Result<Vec<u8>> {
+pub fn read_all(file: File, limit: u64) -> io::Result<Vec<u8>> {
     let expected = file.metadata().map_or(0, |about| about.len());
     let mut bytes = Vec::new();
     if expected > limit || bytes.try_reserve_exact(expected as usize).is_err() {
@@ -118,7 +118,7 @@ impl Folders {
     ///
     /// # Errors
     /// If the operating system refuses, the file lies elsewhere, or it is no regular file.
-    pub(crate) fn open(&self, path: &Path) -> io::Result<File> {
+    pub fn open(&self, path: &Path) -> io::Result<File> {
         let real = self.resolve(path)?;
         #[cfg(unix)]
         let file = open_regular(&real, nix::libc::O_NOFOLLOW)?;

@@ -102,7 +102,7 @@ pub struct Disk {
 
 impl Disk {
     /// The import's file, the first that is there. `open_text` gives the text of a document that an editor has open.
-    pub(crate) fn find(
+    pub fn find(
         &self,
         importing: &str,
         path: &str,
@@ -169,7 +169,7 @@ fn reason(error: &io::Error) -> String {
 }
 
 /// The text of a program. What is too long is none, and is not read to its end.
-pub(crate) fn read_text(from: impl Read) -> io::Result<String> {
+pub fn read_text(from: impl Read) -> io::Result<String> {
     let mut bytes = Vec::new();
     from.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > MAX_TEXT {
@@ -180,7 +180,7 @@ pub(crate) fn read_text(from: impl Read) -> io::Result<String> {
 }
 
 /// The path without `.` and, as far as folders stand before them, without `..`. Links are not followed.
-pub(crate) fn clean(path: &Path) -> PathBuf {
+pub fn clean(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {
         match part {
@@ -195,7 +195,7 @@ pub(crate) fn clean(path: &Path) -> PathBuf {
 }
 
 /// The same from the root of the disk.
-pub(crate) fn absolute(path: &Path) -> PathBuf {
+pub fn absolute(path: &Path) -> PathBuf {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     clean(&std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()))
 }

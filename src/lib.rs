@@ -2,32 +2,33 @@
 
 #![warn(missing_docs)]
 
-pub mod assist;
-pub mod builtin;
-pub mod cli;
-pub mod diagnostic;
-pub mod eval;
-pub mod files;
+mod assist;
+mod builtin;
+mod diagnostic;
+mod eval;
+mod files;
 pub mod flow;
 pub mod gbuffer;
-pub mod host;
+mod host;
 pub mod image;
-pub mod lanes;
-pub mod math;
+#[doc(hidden)]
+pub mod internal;
+mod lanes;
+mod math;
 pub mod measure;
 pub mod mesh;
 pub mod noise;
 mod program;
 mod quote;
-pub mod reference;
-pub mod resolve;
+mod reference;
+mod resolve;
 pub mod scene;
-pub mod shape;
+mod shape;
 pub mod solid;
 mod spelling;
-pub mod syntax;
-pub mod texture;
-pub mod value;
+mod syntax;
+mod texture;
+mod value;
 mod visible;
 mod vocabulary;
 

@@ -1,10 +1,12 @@
-//! The `pse` command; what it does is in [`pse::cli`].
+//! The `pse` command.
+
+mod cli;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match pse::cli::parse() {
-        Ok(cli) => pse::cli::run(cli),
+    match cli::parse() {
+        Ok(cli) => cli::run(cli),
         Err(status) => status,
     }
 }

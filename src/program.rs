@@ -108,7 +108,7 @@ impl<'h> Compiler<'h> {
 
     /// What knows the image that the program is to run on. It is asked about the variables that a program with errors
     /// reads and does not assign, so that all mistakes are reported in one go.
-    pub(crate) fn doubt(mut self, doubt: &'h resolve::unknown::Doubt<'h>) -> Compiler<'h> {
+    pub fn doubt(mut self, doubt: &'h resolve::unknown::Doubt<'h>) -> Compiler<'h> {
         self.doubt = doubt;
         self
     }

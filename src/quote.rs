@@ -6,7 +6,7 @@ use std::path::Path;
 /// The text as one word of a POSIX shell: as it is where that is safe, else in quotes.
 ///
 /// Control characters, which a terminal would obey, are escaped as in `$'\x1b'` (bash, zsh, ksh, and POSIX since 2024).
-pub(crate) fn word(text: &str) -> String {
+pub fn word(text: &str) -> String {
     let safe = |c: char| c.is_alphanumeric() || "_-+=./,:@%#{}".contains(c);
     // `~` and `#` mean something at the start, `=` after a word that could be a variable, braces with commas or dots inside.
     let plain = text.chars().all(safe)
@@ -36,7 +36,7 @@ pub(crate) fn word(text: &str) -> String {
 }
 
 /// A path as one word, which no command takes for an option.
-pub(crate) fn path(path: &Path) -> String {
+pub fn path(path: &Path) -> String {
     let text = path.to_string_lossy();
     if text.starts_with('-') { word(&format!("./{text}")) } else { word(&text) }
 }

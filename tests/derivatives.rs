@@ -17,8 +17,12 @@ fn image() -> Image<'static> {
         |c: f32, r: f32| f32::from(u8::from((c - 15.0) * (c - 15.0) + (r - 9.0) * (r - 9.0) < 50.0)) + 1.0;
     let hole = |c: f32, r: f32| if (c * 7.0 + r * 3.0) % 11.0 == 0.0 { f32::NAN } else { c * c };
     let variables = [
-        Variable::new("x", Shape::Scalar, [at(&|c, r| pse::math::sin(c * 0.3) * pse::math::cos(r * 0.2))])
-            .unwrap(),
+        Variable::new(
+            "x",
+            Shape::Scalar,
+            [at(&|c, r| pse::internal::math::sin(c * 0.3) * pse::internal::math::cos(r * 0.2))],
+        )
+        .unwrap(),
         Variable::new("surface", Shape::Scalar, [at(&surface)]).unwrap(),
         Variable::new("hole", Shape::Scalar, [at(&hole)]).unwrap(),
         Variable::new(

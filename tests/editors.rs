@@ -1,6 +1,6 @@
 //! The files for editors: their lists of words are those of the language. `UPDATE=1` writes them anew.
 
-use pse::reference;
+use pse::internal::reference;
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
@@ -105,7 +105,7 @@ fn the_files_of_the_extension_fit_together() {
     // Every header of a block is one for the editor, too.
     let increase = configuration["indentationRules"]["increaseIndentPattern"].as_str().unwrap();
     for (word, _) in reference::KEYWORDS {
-        let header = pse::syntax::lex(word)[0].token.opens_block();
+        let header = pse::internal::syntax::lex(word)[0].token.opens_block();
         assert_eq!(increase.split(|c: char| !c.is_alphabetic()).any(|w| w == *word), header, "{word}");
     }
 }

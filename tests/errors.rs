@@ -3,10 +3,11 @@
 //!
 //! After a change on purpose, rewrite the messages with `INSTA_UPDATE=always cargo test --test errors`, and read them.
 
-use pse::diagnostic::{Sources, Style};
-use pse::host::{Disk, Host};
-use pse::texture::Origin;
-use pse::{Compiler, Error, HostFunction, Image, Program, RunOptions, Shape, Variable, syntax};
+use pse::internal::diagnostic::{Sources, Style};
+use pse::internal::host::{Disk, Host};
+use pse::internal::syntax;
+use pse::internal::texture::Origin;
+use pse::{Compiler, Error, HostFunction, Image, Program, RunOptions, Shape, Variable};
 use std::path::Path;
 
 /// Snapshots the messages of every program in a folder; `check` gives the rendered errors of one.

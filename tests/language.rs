@@ -1,7 +1,7 @@
 //! What the language promises beyond one pixel and its variables: what the system provides, params, outputs, functions
 //! and files of the host, and how a run is watched and ended.
 
-use pse::host::Memory;
+use pse::internal::host::Memory;
 use pse::{
     BatchResult, Compiler, Error, HostFunction, Image, PixelValue, Program, Report, RunOptions, Shape,
     Variable,

@@ -2,9 +2,9 @@
 //!
 //! After a change of a function's documentation, rewrite the file with `UPDATE=1 cargo test --test reference`.
 
-use pse::builtin::reference::Entry;
-use pse::host::Disk;
-use pse::lanes::Isa;
+use pse::internal::builtin::reference::Entry;
+use pse::internal::host::Disk;
+use pse::internal::lanes::Isa;
 use pse::{Compiler, Error, Image, PixelValue, Program, RunOptions, Shape, Variable};
 
 /// Compiles an example; its images are those of `examples/`.
@@ -23,7 +23,7 @@ fn alike(a: &PixelValue, b: &PixelValue) -> bool {
 #[test]
 fn every_example_is_right() {
     let mut wrong = Vec::new();
-    for entry in pse::reference::entries() {
+    for entry in pse::internal::reference::entries() {
         assert!(!entry.examples.is_empty(), "{} has no example", entry.name);
         for (code, gives) in &entry.examples {
             let text = format!("found = {code}\nwanted = {gives}\n");
@@ -97,7 +97,7 @@ fn outcome(
 #[test]
 fn a_pixel_does_not_depend_on_its_batch() {
     let mut never = Vec::new();
-    for Entry { name, examples, .. } in pse::reference::entries() {
+    for Entry { name, examples, .. } in pse::internal::reference::entries() {
         let mut ran = false;
         for (code, _) in &examples {
             let (text, numbers) = numbers_as_variables(code);
@@ -136,7 +136,8 @@ fn a_pixel_does_not_depend_on_its_batch() {
 #[test]
 fn the_documentation_is_up_to_date() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/builtins.md");
-    let expected = pse::cli::doc::markdown();
+    let output = assert_cmd::Command::cargo_bin("pse").unwrap().args(["doc", "--markdown"]).output().unwrap();
+    let expected = String::from_utf8(output.stdout).unwrap();
     if std::env::var_os("UPDATE").is_some() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(&path, &expected).unwrap();

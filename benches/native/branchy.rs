@@ -4,8 +4,8 @@
 
 use super::frame::{LANES, Row, Workload, dot, each, max, norm, over, part, plane, planes, run};
 use pse::Image;
-use pse::lanes::Isa;
-use pse::math;
+use pse::internal::lanes::Isa;
+use pse::internal::math;
 use pse::noise::{Field, Kind, Params};
 use std::ops::Range;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use super::frame::{Formula, Workload, each, each_of, hits, lit, max, min, norm, part, plane, planes, run};
 use pse::Image;
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 use std::ops::Range;
 
 /// `diffuse.pse`

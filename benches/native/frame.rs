@@ -1,7 +1,7 @@
 //! What the workloads share: blocks of lanes, those of them that lie on the surface, loops over planes.
 
 use pse::Image;
-use pse::lanes::{Isa, Kernel};
+use pse::internal::lanes::{Isa, Kernel};
 use std::array::from_fn;
 use std::ops::Range;
 

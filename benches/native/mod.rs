@@ -20,7 +20,7 @@ pub use straight::straight;
 pub use waves::waves;
 
 use pse::Image;
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 
 /// A workload on an image: its planes of colour, and of alpha if it has that.
 pub type Native = fn(Isa, &Image<'_>) -> Vec<Vec<f32>>;

@@ -2,8 +2,8 @@
 
 use super::frame::{Hits, LANES, Row, Workload, each, lit, norm, over, part, plane, planes, run};
 use pse::Image;
-use pse::lanes::Isa;
-use pse::math;
+use pse::internal::lanes::Isa;
+use pse::internal::math;
 use pse::noise::{Field, Kind, Params};
 use std::ops::Range;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use super::frame::{Workload, part, planes, run};
 use pse::Image;
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 use std::ops::Range;
 
 /// `straight.pse`

@@ -74,7 +74,7 @@ pub(super) fn name_at(text: &str, offset: usize) -> Option<(String, Range<usize>
 }
 
 /// A byte where a character begins: this one, or the nearest before it.
-pub(crate) fn boundary(text: &str, offset: usize) -> usize {
+pub fn boundary(text: &str, offset: usize) -> usize {
     (0..=offset.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
 }
 

@@ -13,7 +13,7 @@ mod outline;
 mod rename;
 
 pub use complete::{Completion, Item, Kind};
-pub(crate) use context::boundary;
+pub use context::boundary;
 pub use context::{Call, Context, Place};
 pub use describe::Described;
 pub use function::{Function, Origin, Parameter, Takes, card};

@@ -2,10 +2,10 @@
 
 use super::failure::{Failure, print};
 use super::source::ProgramArgs;
-use crate::diagnostic::Sources;
-use crate::program::Error;
-use crate::syntax;
 use clap::Args;
+use pse::internal::diagnostic::Sources;
+use pse::internal::program::Error;
+use pse::internal::syntax;
 
 /// Which program.
 #[derive(Debug, Args)]

@@ -5,14 +5,14 @@ use super::input::Inputs;
 use super::interrupt::CANCEL;
 use super::region::bands;
 use super::scene::ViewArgs;
-use crate::eval::has_space;
-use crate::gbuffer::{PointSampler, Projection, Resection, ResectionError};
-use crate::image::{Image, Matrix4};
-use crate::program::{Program, RunOptions};
-use crate::resolve::space_of;
-use crate::scene::Renderer;
-use crate::scene::camera::Camera as View;
-use crate::value::PixelValue;
+use pse::gbuffer::{PointSampler, Projection, Resection, ResectionError};
+use pse::image::{Image, Matrix4};
+use pse::internal::eval::has_space;
+use pse::internal::program::{Program, RunOptions};
+use pse::internal::resolve::space_of;
+use pse::internal::value::PixelValue;
+use pse::scene::Renderer;
+use pse::scene::camera::Camera as View;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The camera that options or points give, for what a program reads of it.

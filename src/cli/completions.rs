@@ -1,11 +1,12 @@
 //! `pse completions` and `pse man`: what shells and `man` need to know about the arguments.
 
 use super::failure::{Failure, print_exact};
-use crate::image::write_file;
-use crate::{reference, scene};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
+use pse::image::write_file;
+use pse::internal::reference;
+use pse::scene;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -89,7 +90,8 @@ pub(super) fn man(args: &ManArgs) -> Result<(), Failure> {
 fn is_foreign(path: &Path, name: &str) -> bool {
     let Ok(about) = fs::symlink_metadata(path) else { return false };
     let title = format!(".TH {name} 1");
-    let bytes = crate::files::regular(path).and_then(|file| crate::files::read_all(file, 1 << 20));
+    let bytes =
+        pse::internal::files::regular(path).and_then(|file| pse::internal::files::read_all(file, 1 << 20));
     !about.is_file() || !bytes.is_ok_and(|bytes| String::from_utf8_lossy(&bytes).contains(&title))
 }
 

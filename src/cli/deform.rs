@@ -9,10 +9,10 @@ use super::prints::Shown;
 use super::progress::{Meter, Style};
 use super::run::{LimitArgs, set};
 use super::source::{self, ProgramArgs};
-use crate::image::check_target;
-use crate::mesh::{Deform, Format};
-use crate::program::RunOptions;
 use clap::Args;
+use pse::image::check_target;
+use pse::internal::program::RunOptions;
+use pse::mesh::{Deform, Format};
 use std::path::{Path, PathBuf};
 
 /// Which mesh, what to do with it, and where to.

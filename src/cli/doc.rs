@@ -1,11 +1,11 @@
 //! `pse doc`: the reference in the terminal.
 
 use super::failure::{Failure, print};
-use crate::builtin::reference;
-use crate::reference::{entries, names as names_by_group};
-use crate::resolve::{names, print as printing};
-use crate::vocabulary;
 use clap::Args;
+use pse::internal::builtin::reference;
+use pse::internal::reference::{entries, names as names_by_group};
+use pse::internal::resolve::{names, print as printing};
+use pse::internal::vocabulary;
 use std::fmt::Write;
 
 /// What to explain.
@@ -21,7 +21,7 @@ pub(super) struct DocArgs {
 }
 
 /// The whole reference: `docs/builtins.md`.
-pub fn markdown() -> String {
+fn markdown() -> String {
     let mut text = reference::markdown(&entries());
     // Writing to a string cannot fail.
     for (title, lines) in names_by_group() {

@@ -1,10 +1,10 @@
 //! How a command fails: what it says, and with which exit status.
 
-use crate::diagnostic::{Diagnostic, Sources, Style};
-use crate::image::ImageError;
-use crate::program::Error;
-use crate::scene::SceneError;
-use crate::visible::{visible, visible_json};
+use pse::image::ImageError;
+use pse::internal::diagnostic::{Diagnostic, Sources, Style};
+use pse::internal::program::Error;
+use pse::internal::visible::{visible, visible_json};
+use pse::scene::SceneError;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 

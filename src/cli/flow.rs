@@ -10,12 +10,12 @@ use super::progress::{Meter, Style};
 use super::run::{LimitArgs, positive, scene, set, space};
 use super::solid::{Bounds, bounds};
 use super::source::ProgramArgs;
-use crate::flow::{self, Flow, Pen, Trajectories};
-use crate::gbuffer::Projection;
-use crate::host::Disk;
-use crate::image::{Content, Format, Image, Metadata, NewFile, WriteOptions, record, write};
-use crate::program::RunOptions;
 use clap::Args;
+use pse::flow::{self, Flow, Pen, Trajectories};
+use pse::gbuffer::Projection;
+use pse::image::{Content, Format, Image, Metadata, NewFile, WriteOptions, record, write};
+use pse::internal::host::Disk;
+use pse::internal::program::RunOptions;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -256,7 +256,7 @@ const MAX_PIXELS: usize = 1 << 26;
 /// Checks that a file can be written, and takes the place of nothing that is read.
 fn check_output(path: &Path) -> Result<(), Failure> {
     if is_ply(path) {
-        return Ok(crate::image::check_target(path)?);
+        return Ok(pse::image::check_target(path)?);
     }
     let known = Format::of(path).is_ok();
     output::check(path).map(drop).map_err(|f| if known { f } else { f.hint("Points are written as .ply.") })

@@ -2,11 +2,11 @@
 
 use super::failure::{Failure, print, print_exact};
 use super::source::read;
-use crate::diagnostic::Sources;
-use crate::image::write_program;
-use crate::program::Error;
-use crate::syntax;
 use clap::Args;
+use pse::image::write_program;
+use pse::internal::diagnostic::Sources;
+use pse::internal::program::Error;
+use pse::internal::syntax;
 use std::path::{Path, PathBuf};
 
 /// What to format.

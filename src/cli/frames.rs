@@ -1,10 +1,10 @@
 //! Frame numbers: lists of them, and which one a command runs.
 
-pub(super) use crate::image::{Frame, fill, has_pattern};
+pub(super) use pse::image::{Frame, fill, has_pattern};
 
 use super::failure::Failure;
-use crate::image::{MAX_FRAME, frame_number};
-use crate::program::Program;
+use pse::image::{MAX_FRAME, frame_number};
+use pse::internal::program::Program;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 

@@ -4,13 +4,13 @@ use super::camera;
 use super::failure::{Failure, print};
 use super::input::MapArg;
 use super::model;
-use crate::eval::has_space;
-use crate::gbuffer::{JumpCounter, PointSampler};
-use crate::image::{File, Image, Input, ReadOptions, info as image_info, read};
-use crate::mesh::{Format, Mesh, shortest};
-use crate::shape::Shape;
-use crate::visible::visible_name;
 use clap::Args;
+use pse::gbuffer::{JumpCounter, PointSampler};
+use pse::image::{File, Image, Input, ReadOptions, info as image_info, read};
+use pse::internal::eval::has_space;
+use pse::internal::shape::Shape;
+use pse::internal::visible::visible_name;
+use pse::mesh::{Format, Mesh, shortest};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -101,7 +101,7 @@ fn about_mesh(path: &Path, mesh: &Mesh) -> String {
     line("points", mesh.points.len().to_string());
     let most = mesh.faces.iter().map(|f| f.corners).max().unwrap_or(0);
     line("faces", format!("{} of up to {most} corners", mesh.faces.len()));
-    let given = |of: fn(&crate::mesh::Corner) -> bool| match mesh.corners.iter().filter(|c| of(c)).count() {
+    let given = |of: fn(&pse::mesh::Corner) -> bool| match mesh.corners.iter().filter(|c| of(c)).count() {
         0 => "none",
         n if n == mesh.corners.len() => "at all corners",
         _ => "at some corners",

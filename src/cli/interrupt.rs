@@ -1,7 +1,7 @@
 //! Interrupts and requests to end (INT, TERM, HUP): no unfinished file is left behind, whatever the command does.
 
 use super::failure::{INTERRUPTED, warn};
-use crate::image::end_process;
+use pse::image::end_process;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 

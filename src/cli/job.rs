@@ -10,8 +10,8 @@ use super::failure::{Failure, print, warn};
 use super::frames::{self, Frame};
 use super::run::{Plan, RunArgs};
 use super::tiles::Tiles;
-use crate::quote;
 use clap::Args;
+use pse::internal::quote;
 use std::path::{Path, PathBuf};
 use words::RunWords;
 

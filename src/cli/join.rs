@@ -6,11 +6,11 @@ use super::interrupt;
 use super::output;
 use super::region::{Region, bands};
 use super::tiles::{self, Tiles};
-use crate::image::{
+use clap::Args;
+use pse::image::{
     ErrorKind, File, Format, Image, Input, Metadata, ReadOptions, Rows, Variable, WriteOptions, Writer, read,
 };
-use crate::shape::Shape;
-use clap::Args;
+use pse::internal::shape::Shape;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

@@ -2,10 +2,10 @@
 
 use super::input::{ImageArgs, InputArg, Inputs, MapArg};
 use super::run::scene;
-use crate::diagnostic::{Diagnostic, Span};
-use crate::eval::absent;
-use crate::resolve::tree::Resolved;
-use crate::resolve::{names, unknown};
+use pse::internal::diagnostic::{Diagnostic, Span};
+use pse::internal::eval::absent;
+use pse::internal::resolve::tree::Resolved;
+use pse::internal::resolve::{names, unknown};
 use std::cell::OnceCell;
 use std::sync::Arc;
 

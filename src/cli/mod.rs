@@ -37,9 +37,9 @@ mod tiles;
 mod trace;
 mod view;
 
-use crate::image::protect_inputs;
-use crate::visible::is_hidden;
 use clap::{CommandFactory, Parser, Subcommand};
+use pse::image::protect_inputs;
+use pse::internal::visible::is_hidden;
 use std::process::ExitCode;
 
 const EXAMPLES: &str = "\

@@ -2,10 +2,10 @@
 
 use super::failure::{Failure, warn};
 use super::progress::{Meter, Style};
-use crate::mesh::{self, Format};
-use crate::program::Progress;
-use crate::scene::{Model, parse_point};
 use clap::ValueEnum;
+use pse::internal::program::Progress;
+use pse::mesh::{self, Format};
+use pse::scene::{Model, parse_point};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;

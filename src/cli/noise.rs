@@ -8,9 +8,9 @@ mod sheet;
 use super::failure::{Failure, print, warn};
 use super::output;
 use super::progress::{Meter, Style};
-use crate::image::{self, WriteOptions};
-use crate::noise::{KINDS, Kind, reference};
 use clap::Args;
+use pse::image::{self, WriteOptions};
+use pse::noise::{KINDS, Kind, reference};
 use row::{Common, Row};
 use std::path::PathBuf;
 

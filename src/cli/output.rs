@@ -1,9 +1,9 @@
 //! The files that come out: whether they can be written, and what of a run goes into them.
 
 use super::failure::{Failure, why};
-use crate::image::{Force, Format, Image, check_target, same_target, set_force, written_by_pse};
-use crate::program::Program;
-use crate::shape::Shape;
+use pse::image::{Force, Format, Image, check_target, same_target, set_force, written_by_pse};
+use pse::internal::program::Program;
+use pse::internal::shape::Shape;
 use std::borrow::Cow;
 use std::io::IsTerminal;
 use std::path::Path;

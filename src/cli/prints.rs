@@ -1,8 +1,8 @@
 //! What `print` told, as lines of text.
 
 use super::failure::warn;
-use crate::diagnostic::{Sources, Span};
-use crate::eval::{Printed, Prints};
+use pse::internal::diagnostic::{Sources, Span};
+use pse::internal::eval::{Printed, Prints};
 
 /// The lines of a run, of which so many are shown.
 pub(super) struct Shown {

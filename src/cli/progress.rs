@@ -1,10 +1,10 @@
 //! How far a run has come: a bar on the terminal, or lines for a farm.
 
 use super::failure::print;
-use crate::program::Progress;
-use crate::visible::visible_name;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use pse::internal::program::Progress;
+use pse::internal::visible::visible_name;
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};

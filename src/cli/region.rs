@@ -1,7 +1,7 @@
 //! A part of the picture: which, and how to cut it out.
 
 use super::failure::Failure;
-use crate::image::{Image, Variable};
+use pse::image::{Image, Variable};
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
@@ -134,7 +134,7 @@ pub(super) fn bands(width: usize, rows: Range<usize>) -> impl Iterator<Item = Ra
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::Shape;
+    use pse::internal::shape::Shape;
 
     #[test]
     fn two_forms() {

@@ -1,11 +1,11 @@
 //! The program that a command works on: a file, standard input, or lines of the command line.
 
 use super::failure::{Failure, why};
-use crate::host::{Disk, read_text};
-use crate::image::{Content, record_standard_input, recorded};
-use crate::program::{Compiler, Program};
-use crate::resolve::unknown::Doubt;
 use clap::Args;
+use pse::image::{Content, record_standard_input, recorded};
+use pse::internal::host::{Disk, read_text};
+use pse::internal::program::{Compiler, Program};
+use pse::internal::resolve::unknown::Doubt;
 use std::path::{Path, PathBuf};
 
 /// Which program.

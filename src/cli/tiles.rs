@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::region::Region;
-use crate::image::Image;
+use pse::image::Image;
 use std::fmt;
 use std::str::FromStr;
 

@@ -11,10 +11,10 @@ use super::interrupt::{self, CANCEL};
 use super::known::Lazy;
 use super::run::{DEFAULT_SCENE, LimitArgs, reading, scene, set, space};
 use super::source::{self, ProgramArgs};
-use crate::image::Image;
-use crate::program::{Error, Program, RunOptions, Trace, TraceOptions};
-use crate::resolve::tree::Resolved;
 use clap::Args;
+use pse::image::Image;
+use pse::internal::program::{Error, Program, RunOptions, Trace, TraceOptions};
+use pse::internal::resolve::tree::Resolved;
 use std::io::{self, IsTerminal};
 use std::str::FromStr;
 

@@ -38,7 +38,7 @@ mod trace;
 mod tracer;
 mod worker;
 
-pub(crate) use absent::{NO_IMAGE, absent};
+pub use absent::{NO_IMAGE, absent};
 pub use bind::Missing;
 pub use frame::{ParamInfo, params};
 pub use host_function::{BatchArguments, BatchResult, HostFunction};
@@ -49,8 +49,8 @@ pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};
 pub use run::{Failure, MAX_THREADS, Options, Progress, Report, TEXTURE_MEMORY};
 pub use samples::{Filter, Places, Resample, Sampling};
-pub(crate) use spaces::{has_space, no_eye};
-pub(crate) use steps::REACH;
+pub use spaces::{has_space, no_eye};
+pub use steps::REACH;
 pub use stream::{Stream, run};
 pub use trace::{Birth, Event, EventKind, NotFinite, Trace, TraceOptions};
 

@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 use std::borrow::Cow;
 
 /// How many pixels to each side of a pixel are looked at.
-pub(crate) const REACH: usize = 3;
+pub const REACH: usize = 3;
 
 /// A step so many times as long as that to the other side leads over a silhouette. On a round surface the outermost step
 /// is at most 1 + √2 times as long as the next.

@@ -103,7 +103,7 @@ impl Flow {
     }
 
     /// The programs that it runs: that of the velocity, and that of the colours if there is one.
-    pub(crate) fn programs(&self) -> impl Iterator<Item = &Program> {
+    pub fn programs(&self) -> impl Iterator<Item = &Program> {
         std::iter::once(self.velocity.program()).chain(self.color.iter().map(|color| color.program()))
     }
 

@@ -163,7 +163,7 @@ impl File {
     }
 
     /// Has it variables of a view of that name, other than the first, even if they are not read?
-    pub(crate) fn has_view(&self, view: &str) -> bool {
+    pub fn has_view(&self, view: &str) -> bool {
         let of_view = |b: &Binding| b.name.split_once('.').is_some_and(|(own, _)| own == view);
         self.bindings.iter().chain(&self.unread).any(of_view)
     }

@@ -51,14 +51,12 @@ pub use error::{ErrorKind, ImageError};
 pub use file::{Channel, File, ReadOptions, Samples, read};
 pub use frame_number::frame_number;
 pub use info::{ChannelInfo, Info, PartInfo, info};
-pub(crate) use reading::{
-    Content, Force, protect_inputs, record, record_standard_input, recorded, set_force,
-};
+pub use reading::{Content, Force, protect_inputs, record, record_standard_input, recorded, set_force};
 pub use rows::Rows;
 pub use sequence::{Frame, MAX_FRAME, fill, has_pattern, number_in_name};
 pub use source::Input;
 pub use stamp::{is_whole, written_by_pse};
-pub(crate) use unfinished::{Unfinished, commit, end_process};
+pub use unfinished::{Unfinished, commit, end_process};
 pub use write::{Compression, Format, WriteOptions, Writer, encode, write};
 
 mod build;

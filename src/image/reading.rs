@@ -13,7 +13,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a file was opened for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Content {
+pub enum Content {
     /// The text of a program. It may be saved again as such (`pse fmt`), but `--force` does not sacrifice it.
     Program,
     /// An image, a mesh or its data.
@@ -22,7 +22,7 @@ pub(crate) enum Content {
 
 /// Whether the user may let an output replace an input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Force {
+pub enum Force {
     /// The command has no option for it.
     #[default]
     NotOffered,
@@ -73,19 +73,19 @@ fn identity_of(path: &Path) -> Option<Identity> {
 }
 
 /// From now on, opened files are recorded, and outputs do not replace them.
-pub(crate) fn protect_inputs() {
+pub fn protect_inputs() {
     registry().get_or_insert_default();
 }
 
 /// Sets whether the running command lets outputs replace inputs.
-pub(crate) fn set_force(force: Force) {
+pub fn set_force(force: Force) {
     if let Some(registry) = &mut *registry() {
         registry.force = force;
     }
 }
 
 /// Records a file that was opened for reading: whoever opens an input or a part of one passes it through here.
-pub(crate) fn recorded(path: &Path, content: Content, opened: io::Result<File>) -> io::Result<File> {
+pub fn recorded(path: &Path, content: Content, opened: io::Result<File>) -> io::Result<File> {
     let file = opened?;
     if registry().is_some() {
         // Of what was opened: the name may lead elsewhere by now.
@@ -95,14 +95,14 @@ pub(crate) fn recorded(path: &Path, content: Content, opened: io::Result<File>) 
 }
 
 /// Records a file that is going to be read, if it exists.
-pub(crate) fn record(path: &Path, content: Content) {
+pub fn record(path: &Path, content: Content) {
     if registry().is_some() {
         insert(identity_of(path), path.display().to_string(), content);
     }
 }
 
 /// Records the file that standard input comes from, if it is one.
-pub(crate) fn record_standard_input(content: Content) {
+pub fn record_standard_input(content: Content) {
     #[cfg(unix)]
     if registry().is_some() {
         use std::os::fd::AsFd;

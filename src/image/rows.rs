@@ -114,7 +114,7 @@ impl File {
     }
 
     /// Are its lower rows read without those above?
-    pub(crate) fn seeks(&self) -> bool {
+    pub fn seeks(&self) -> bool {
         matches!(self.source, Source::Exr(_))
     }
 

@@ -192,7 +192,7 @@ impl Input {
     }
 
     /// The same input, able to go back: a pipe that the user names is read to its end. A device has none.
-    pub(crate) fn seekable(self) -> Result<Input, ImageError> {
+    pub fn seekable(self) -> Result<Input, ImageError> {
         if let Input::Path(path) = &self {
             let special = std::fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir());
             if special {

@@ -19,7 +19,7 @@ fn unfinished() -> MutexGuard<'static, Option<HashSet<PathBuf>>> {
 
 /// A temporary path, removed by [`end_process`] until it is dropped.
 #[derive(Debug)]
-pub(crate) struct Unfinished(PathBuf);
+pub struct Unfinished(PathBuf);
 
 impl Unfinished {
     /// Creates the file or folder. No signal can come between its creation and its registration.
@@ -46,13 +46,13 @@ impl Drop for Unfinished {
 }
 
 /// Runs steps that belong together, quick ones: a signal ends the process before or after them.
-pub(crate) fn commit<T>(steps: impl FnOnce() -> T) -> T {
+pub fn commit<T>(steps: impl FnOnce() -> T) -> T {
     let _guard = COMMIT.lock().unwrap_or_else(PoisonError::into_inner);
     steps()
 }
 
 /// Removes everything unfinished and ends the process.
-pub(crate) fn end_process(status: i32) -> ! {
+pub fn end_process(status: i32) -> ! {
     let _commit = COMMIT.lock().unwrap_or_else(PoisonError::into_inner);
     // The lock is held to the end: nothing new begins.
     let all = unfinished();

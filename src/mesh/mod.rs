@@ -35,7 +35,7 @@ pub use format::Format;
 pub use gltf_data::companions;
 pub use head::head;
 pub use read::{File, read};
-pub(crate) use single::{decimal, shortest};
+pub use single::{decimal, shortest};
 
 /// A polygon mesh.
 #[derive(Clone, Debug, Default, PartialEq)]

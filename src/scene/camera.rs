@@ -10,7 +10,8 @@ pub(super) const LIMIT: f64 = 1e5;
 
 /// A perspective camera with square pixels, as orthonormal axes in world space.
 #[derive(Clone, Debug)]
-pub(crate) struct Camera {
+#[doc(hidden)]
+pub struct Camera {
     /// The centre of projection.
     pub eye: DVec3,
     /// The view axis, into the picture.

@@ -20,7 +20,8 @@
 //! - Where nothing was hit, everything but `depth` and `I` is 0.
 
 mod bernstein;
-pub(crate) mod camera;
+#[doc(hidden)]
+pub mod camera;
 mod cuboid;
 mod error;
 pub(crate) mod gather;

@@ -273,7 +273,7 @@ fn documents_are_formatted_and_outlined() {
         edited(text, editor.ask("textDocument/formatting", options.clone()).as_array().unwrap())
     };
     let rough = "a=1\n\n\n\nif a\n  color=[1,0,0]\nb = 2\n";
-    assert_eq!(formatted(rough), pse::syntax::format(rough).unwrap());
+    assert_eq!(formatted(rough), pse::internal::syntax::format(rough).unwrap());
     assert_eq!(formatted("a=1"), "a = 1\n");
     assert_eq!(formatted("a=1\r\nb=2\r\n"), "a = 1\r\nb = 2\r\n");
     for same in ["a=(1\n", "a = 1\n", "a = 1\r\n", ""] {

@@ -1,7 +1,7 @@
 //! What the contracts promise, and what holds for every kind in all its dimensions.
 
 use super::measured::{self, Points, field, slices, slopes, values};
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 use pse::measure::Random;
 use pse::noise::{KINDS, Kind, Opt, Params, Smoothness};
 

@@ -2,7 +2,7 @@
 //! interpolation (Lewis, section 5).
 
 use super::measured::{self, Points, field, moved, spectrum, values};
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 use pse::measure::{Moments, Random, correlation, slope};
 use pse::noise::{Field, Kind, Opt, Params};
 

@@ -1,6 +1,6 @@
 //! What is measured of every kind: once, with its default options, for all tests and for the table of docs/noise.md.
 
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 use pse::measure::{Moments, Random, Section, Spectrum, correlation};
 use pse::noise::{Field, KINDS, Kind, Params, Smoothness};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Sums of octaves: Peachey, "Spectral Synthesis", figures 2.38 and 2.39.
 
 use super::measured::field;
-use pse::lanes::Isa;
+use pse::internal::lanes::Isa;
 use pse::measure::{Moments, Random, Section, Spectrum};
 use pse::noise::sums::{Form, Sum};
 use pse::noise::{Kind, Params};

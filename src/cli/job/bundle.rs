@@ -7,7 +7,7 @@
 use super::super::failure::{Failure, why};
 use super::files::{FOLDER, Files};
 use super::manifest::{self, Manifest};
-use crate::image::{Unfinished, commit};
+use pse::image::{Unfinished, commit};
 use std::fs::{self, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -210,7 +210,8 @@ const MAX_TEMPLATE: u64 = 64 << 20;
 fn finish_interrupted(bundle: &Path, old: &Manifest) -> Result<(), Failure> {
     let staged = bundle.join(STAGED);
     let template = bundle.join(TEMPLATE);
-    let bytes = crate::files::regular(&template).and_then(|file| crate::files::read_all(file, MAX_TEMPLATE));
+    let bytes = pse::internal::files::regular(&template)
+        .and_then(|file| pse::internal::files::read_all(file, MAX_TEMPLATE));
     let text = String::from_utf8_lossy(&bytes.unwrap_or_default()).into_owned();
     if text.contains(&staged_folder()) {
         let program = staged.join(FOLDER);

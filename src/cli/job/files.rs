@@ -3,8 +3,8 @@
 use super::super::failure::{Failure, why};
 use super::super::run::{Plan, RunArgs};
 use super::super::source;
-use crate::files::{self, Folders};
-use crate::host::absolute;
+use pse::internal::files::{self, Folders};
+use pse::internal::host::absolute;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

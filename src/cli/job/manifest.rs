@@ -30,7 +30,8 @@ impl Manifest {
     pub fn read(bundle: &Path) -> Result<Option<Manifest>, Failure> {
         let path = bundle.join(NAME);
         // The bundle may come from anybody, so the list may be anything.
-        let bytes = crate::files::regular(&path).and_then(|file| crate::files::read_all(file, MAX_LENGTH));
+        let bytes = pse::internal::files::regular(&path)
+            .and_then(|file| pse::internal::files::read_all(file, MAX_LENGTH));
         let text = match bytes {
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),

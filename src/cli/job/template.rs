@@ -265,7 +265,7 @@ impl Inputs {
 
     /// The file as the job names it, below a parameter for its folder.
     fn place(&mut self, given: &str) -> Result<String, Failure> {
-        let path = crate::host::absolute(Path::new(given));
+        let path = pse::internal::host::absolute(Path::new(given));
         let (Some(folder), Some(file)) = (path.parent(), path.file_name()) else {
             return Err(Failure::usage(format!("`{given}` is no file")));
         };

@@ -2,12 +2,12 @@
 
 use super::connection::{Refusal, Server};
 use super::hover::documentation;
-use crate::assist::{Item, Kind, card};
 use gen_lsp_types::{
     ActiveParameter, CompletionItem, CompletionItemKind, CompletionItemTextEdit, CompletionList,
     CompletionParams, CompletionResponse, InsertTextFormat, ParameterInformation, ParameterInformationLabel,
     Range, SignatureHelp, SignatureHelpParams, SignatureInformation, TextEdit,
 };
+use pse::internal::assist::{Item, Kind, card};
 
 pub(super) fn complete(
     server: &mut Server,

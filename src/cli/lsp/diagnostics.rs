@@ -2,13 +2,13 @@
 
 use super::connection::{Server, tell};
 use crate::cli::check;
-use crate::diagnostic::{Diagnostic, Severity, Sources, Span};
-use crate::program::Compiler;
 use gen_lsp_types::{
     self as lsp, Code, DiagnosticRelatedInformation, DiagnosticSeverity, Location,
     PublishDiagnosticsNotification, PublishDiagnosticsParams, Uri,
 };
 use lsp_server::Notification;
+use pse::internal::diagnostic::{Diagnostic, Severity, Sources, Span};
+use pse::internal::program::Compiler;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What was found in a program, by the URI of the text that it is about.

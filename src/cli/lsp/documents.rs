@@ -2,10 +2,10 @@
 
 use super::position::{Encoding, Lines};
 use super::uri;
-use crate::assist::Reading;
-use crate::host::{Disk, Host, clean};
-use crate::texture::Origin;
 use gen_lsp_types::{Position, TextDocumentContentChangeEvent as Change, Uri};
+use pse::internal::assist::Reading;
+use pse::internal::host::{Disk, Host, clean};
+use pse::internal::texture::Origin;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! A document in its canonical form, as `pse fmt` prints it.
 
 use super::connection::{Refusal, Server};
-use crate::syntax;
 use gen_lsp_types::{DocumentFormattingParams, TextEdit};
+use pse::internal::syntax;
 
 pub(super) fn format(
     server: &mut Server,

@@ -2,12 +2,12 @@
 
 use super::connection::{Refusal, Server};
 use super::uri;
-use crate::assist::{Reading, Role, Symbol};
-use crate::host::clean;
 use gen_lsp_types::{
     Definition, DefinitionParams, DefinitionResponse, DocumentHighlight, DocumentHighlightKind,
     DocumentHighlightParams, Location, Range, ReferenceParams, Uri,
 };
+use pse::internal::assist::{Reading, Role, Symbol};
+use pse::internal::host::clean;
 use std::path::Path;
 use std::sync::Arc;
 

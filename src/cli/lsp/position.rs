@@ -1,7 +1,7 @@
 //! Places in a text: lines and columns as editors count them, bytes as the rest of `pse` does.
 
-use crate::assist::boundary;
 use gen_lsp_types::{Position, PositionEncodingKind, Range};
+use pse::internal::assist::boundary;
 
 /// How columns are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

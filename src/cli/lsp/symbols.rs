@@ -1,8 +1,8 @@
 //! What a document consists of.
 
 use super::connection::{Refusal, Server};
-use crate::assist::Outlined;
 use gen_lsp_types::{DocumentSymbol, DocumentSymbolParams, DocumentSymbolResponse, SymbolKind};
+use pse::internal::assist::Outlined;
 
 pub(super) fn symbols(
     server: &mut Server,

@@ -1,7 +1,7 @@
 //! What a row of a sheet shows, measured: nothing of how it is drawn.
 
 use super::row::Row;
-use crate::measure::{LineSpectrum, Moments, Random, Section, Spectrum};
+use pse::measure::{LineSpectrum, Moments, Random, Section, Spectrum};
 
 /// A curve: frequencies and what is there.
 pub type Curve = Vec<(f64, f64)>;

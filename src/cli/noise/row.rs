@@ -1,10 +1,10 @@
 //! A noise of a sheet, from the words that name it: a kind or a sum of octaves of one, with its options.
 
 use crate::cli::failure::Failure;
-use crate::lanes::Isa;
-use crate::noise::sums::{Form, Sum};
-use crate::noise::{Field, KINDS, Kind, OPTIONS, Opt, Params, Unfit};
-use crate::resolve::names::nearest;
+use pse::internal::lanes::Isa;
+use pse::internal::resolve::names::nearest;
+use pse::noise::sums::{Form, Sum};
+use pse::noise::{Field, KINDS, Kind, OPTIONS, Opt, Params, Unfit};
 use std::sync::Arc;
 
 /// The sums of octaves: name, form, offset.

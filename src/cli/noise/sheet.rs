@@ -4,10 +4,10 @@ use super::canvas::{Anchor, Area, Canvas, Color};
 use super::panels::{Curve, Panels};
 use super::row::Row;
 use crate::cli::failure::Failure;
-use crate::image::{Image, Variable, color::decode8};
-use crate::measure::Histogram;
-use crate::program::Progress;
-use crate::shape::Shape;
+use pse::image::{Image, Variable, color::decode8};
+use pse::internal::program::Progress;
+use pse::internal::shape::Shape;
+use pse::measure::Histogram;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

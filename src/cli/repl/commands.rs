@@ -4,10 +4,10 @@ use super::super::doc;
 use super::super::failure::Failure;
 use super::session::{Session, VALUE};
 use super::{note, picture};
-use crate::image::write_program;
-use crate::program::Compiler;
-use crate::resolve::names;
-use crate::value::PixelValue;
+use pse::image::write_program;
+use pse::internal::program::Compiler;
+use pse::internal::resolve::names;
+use pse::internal::value::PixelValue;
 use std::path::{Path, PathBuf};
 
 /// Each command, what follows it, and what it does.
@@ -72,7 +72,7 @@ impl Session {
     }
 
     /// The program with an expression behind it, and the variable that has its value; `color` without one.
-    fn wanted(&self, expression: &str) -> Result<(crate::program::Program, &'static str), Failure> {
+    fn wanted(&self, expression: &str) -> Result<(pse::internal::program::Program, &'static str), Failure> {
         if !expression.is_empty() {
             return Ok((self.compile(&format!("{}{expression}\n", self.program()))?, VALUE));
         }
@@ -186,7 +186,7 @@ impl Session {
             .ok_or_else(|| Failure::plain(":set needs a name and a value: `:set veins 6`"))?;
         let value = value.trim().trim_start_matches('=').trim();
         let program = Compiler::new().value(VALUE).compile(&format!(":set {name}"), value)?;
-        let values = program.eval_pixel(&[], &crate::program::RunOptions::default())?;
+        let values = program.eval_pixel(&[], &pse::internal::program::RunOptions::default())?;
         let value = values.into_iter().find(|(n, _)| n == VALUE).map(|(_, value)| value);
         let before = self.set.clone();
         self.set.retain(|(n, _)| n != name);

@@ -3,8 +3,8 @@
 use super::super::failure::Failure;
 use super::super::output;
 use super::terminal::Protocol;
-use crate::image::{Image, color};
-use crate::shape::Shape;
+use pse::image::{Image, color};
+use pse::internal::shape::Shape;
 use std::io::{self, IsTerminal, Write};
 
 /// Columns of the terminal that a picture takes, where it has that many.

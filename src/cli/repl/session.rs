@@ -7,13 +7,13 @@ use super::super::input::Inputs;
 use super::super::interrupt::CANCEL;
 use super::super::known::Known;
 use super::super::scene::ViewArgs;
-use crate::diagnostic::SourceId;
-use crate::host::Disk;
-use crate::image::{Image, Matrix4, Variable};
-use crate::program::{Compiler, Limits, Program, RunOptions};
-use crate::resolve::tree::{Resolved, Stmt, StmtKind};
-use crate::syntax::{self, ast};
-use crate::value::PixelValue;
+use pse::image::{Image, Matrix4, Variable};
+use pse::internal::diagnostic::SourceId;
+use pse::internal::host::Disk;
+use pse::internal::program::{Compiler, Limits, Program, RunOptions};
+use pse::internal::resolve::tree::{Resolved, Stmt, StmtKind};
+use pse::internal::syntax::{self, ast};
+use pse::internal::value::PixelValue;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -262,7 +262,7 @@ impl Session {
 fn over_image(variable: &Variable<'_>) -> String {
     let column = |f: &dyn Fn(&[f32]) -> f64| {
         let numbers: Vec<String> =
-            variable.planes.iter().map(|p| crate::value::number(f(p) as f32)).collect();
+            variable.planes.iter().map(|p| pse::internal::value::number(f(p) as f32)).collect();
         if variable.shape.is_scalar() { numbers.concat() } else { format!("[{}]", numbers.join(" ")) }
     };
     let finite = |p: &[f32]| p.iter().filter(|x| x.is_finite()).map(|&x| f64::from(x)).collect::<Vec<f64>>();

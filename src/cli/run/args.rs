@@ -8,10 +8,10 @@ use crate::cli::region::Region;
 use crate::cli::solid::SolidArgs;
 use crate::cli::source::ProgramArgs;
 use crate::cli::tiles::Tile;
-use crate::eval::TEXTURE_MEMORY;
-use crate::image::{Image, WriteOptions};
-use crate::program::{Filter, Limits, Sampling};
 use clap::{Args, ValueEnum};
+use pse::image::{Image, WriteOptions};
+use pse::internal::eval::TEXTURE_MEMORY;
+use pse::internal::program::{Filter, Limits, Sampling};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -1,6 +1,6 @@
 //! A digest of what a run computed: names, shapes, size, and the bits of every number.
 
-use crate::image::Image;
+use pse::image::Image;
 
 /// Takes in an image row by row; bands that are cut elsewhere give the same.
 pub(super) struct Digest {
@@ -43,8 +43,8 @@ impl Digest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Variable;
-    use crate::shape::Shape;
+    use pse::image::Variable;
+    use pse::internal::shape::Shape;
 
     fn digest(width: usize, name: &str, shape: Shape, planes: &[Vec<f32>], bands: &[usize]) -> String {
         let height = planes[0].len() / width;

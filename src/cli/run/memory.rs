@@ -4,8 +4,8 @@ use super::RunArgs;
 use super::input::FrameInput;
 use super::plan::{Output, Plan};
 use crate::cli::failure::Failure;
-use crate::image::Format;
-use crate::program::{RunOptions, Stream};
+use pse::image::Format;
+use pse::internal::program::{RunOptions, Stream};
 use std::ops::Range;
 
 /// The process itself, its threads and the program.
@@ -42,7 +42,7 @@ pub(super) fn rows(
     let Some(most) = args.memory else { return Ok(None) };
     // The first row tells how many numbers a pixel has, before and after.
     let band = input.reader(plan)?.read(input.first_row())?;
-    let planes = |image: &crate::image::Image<'_>| -> u64 {
+    let planes = |image: &pse::image::Image<'_>| -> u64 {
         image.variables.iter().map(|variable| variable.planes.len() as u64).sum()
     };
     let report = loop {

@@ -8,17 +8,17 @@ use crate::cli::known::Lazy;
 use crate::cli::progress::Style;
 use crate::cli::scene::Seen;
 use crate::cli::{frames, output, source, tiles};
-use crate::diagnostic::SourceId;
-use crate::eval::{MAX_THREADS, REACH};
-use crate::image::{Content, Format, Matrix4, record};
-use crate::lanes::Isa;
-use crate::program::{Program, RunOptions};
-use crate::resolve::tree::Resolved;
-use crate::resolve::{names, unknown};
-use crate::shape::Shape;
-use crate::solid::Isosurface;
-use crate::syntax;
-use crate::value::PixelValue;
+use pse::image::{Content, Format, Matrix4, record};
+use pse::internal::diagnostic::SourceId;
+use pse::internal::eval::{MAX_THREADS, REACH};
+use pse::internal::lanes::Isa;
+use pse::internal::program::{Program, RunOptions};
+use pse::internal::resolve::tree::Resolved;
+use pse::internal::resolve::{names, unknown};
+use pse::internal::shape::Shape;
+use pse::internal::syntax;
+use pse::internal::value::PixelValue;
+use pse::solid::Isosurface;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -265,7 +265,7 @@ pub(in crate::cli) fn scene(images: &ImageArgs) -> Result<Option<Seen>, Failure>
             .hint("Leave out one of them, or name the image: -i bg=FILE."));
     }
     if let Some(name) = name {
-        crate::scene::find(name)?;
+        pse::scene::find(name)?;
         return Ok(Some(Seen::Scene(name.clone())));
     }
     if let Some(mesh) = &view.mesh {

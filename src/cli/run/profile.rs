@@ -1,8 +1,8 @@
 //! `--profile`: what each line took.
 
 use crate::cli::failure::warn;
-use crate::diagnostic::{Sources, Span};
-use crate::eval::{Profile, Spent};
+use pse::internal::diagnostic::{Sources, Span};
+use pse::internal::eval::{Profile, Spent};
 use std::collections::BTreeMap;
 
 /// Shorter shares are not shown for lines of other files.

@@ -5,8 +5,8 @@ use super::plan::{Output, Plan, textures, values};
 use crate::cli::failure::Failure;
 use crate::cli::frames::{self, Frame};
 use crate::cli::model;
-use crate::files;
-use crate::image::{Content, is_whole, recorded};
+use pse::image::{Content, is_whole, recorded};
+use pse::internal::files;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

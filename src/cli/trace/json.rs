@@ -1,10 +1,10 @@
 //! A trace as JSON: an array of events, one a line. docs/trace.md says what is in them.
 
 use super::text::About;
-use crate::diagnostic::{Diagnostic, Span};
-use crate::eval::{Birth, Event, EventKind, NotFinite, Part};
-use crate::shape::Shape;
-use crate::value::PixelValue;
+use pse::internal::diagnostic::{Diagnostic, Span};
+use pse::internal::eval::{Birth, Event, EventKind, NotFinite, Part};
+use pse::internal::shape::Shape;
+use pse::internal::value::PixelValue;
 use serde_json::{Map, Value, json};
 
 /// The trace as JSON.

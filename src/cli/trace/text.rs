@@ -1,11 +1,11 @@
 //! A trace as text: a line for each event, in columns.
 
 use crate::cli::prints;
-use crate::diagnostic::Span;
-use crate::eval::{Birth, Event, EventKind, NotFinite, Printed, Trace};
-use crate::program::Program;
-use crate::value::PixelValue;
-use crate::visible::{visible, visible_name};
+use pse::internal::diagnostic::Span;
+use pse::internal::eval::{Birth, Event, EventKind, NotFinite, Printed, Trace};
+use pse::internal::program::Program;
+use pse::internal::value::PixelValue;
+use pse::internal::visible::{visible, visible_name};
 
 /// Columns of the source's text at most.
 const WIDEST: usize = 44;

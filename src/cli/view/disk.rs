@@ -1,8 +1,8 @@
 //! What the program's file holds: looked at when it changes, and before it is replaced.
 
-use crate::files;
-use crate::host::read_text;
-use crate::syntax::MAX_TEXT;
+use pse::internal::files;
+use pse::internal::host::read_text;
+use pse::internal::syntax::MAX_TEXT;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::time::SystemTime;

@@ -6,9 +6,9 @@ use super::told;
 use crate::cli::failure::Failure;
 use crate::cli::frames::Frame;
 use crate::cli::run::set;
-use crate::image::{Image, Matrix4, same_file, write_program};
-use crate::program::{Limits, ParamInfo, Program, RunOptions};
-use crate::value::PixelValue;
+use pse::image::{Image, Matrix4, same_file, write_program};
+use pse::internal::program::{Limits, ParamInfo, Program, RunOptions};
+use pse::internal::value::PixelValue;
 use serde_json::Value;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -426,7 +426,7 @@ impl Session {
         };
         let ran = state.ran.clone().filter(|ran| {
             // Places are those of the text that ran.
-            *ran.program.sources().get(crate::diagnostic::SourceId::default()).text == *state.text
+            *ran.program.sources().get(pse::internal::diagnostic::SourceId::default()).text == *state.text
         });
         let Some(ran) = ran else {
             return Err(Failure::plain("the program as it stands has not run yet").hint("Mend it first."));

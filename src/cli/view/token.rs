@@ -40,8 +40,8 @@ fn kept(path: &Path) -> Option<String> {
             return None;
         }
     }
-    let file = crate::files::regular(path).ok()?;
-    let token = String::from_utf8(crate::files::read_all(file, 2 * BYTES as u64).ok()?).ok()?;
+    let file = pse::internal::files::regular(path).ok()?;
+    let token = String::from_utf8(pse::internal::files::read_all(file, 2 * BYTES as u64).ok()?).ok()?;
     let whole = token.len() == 2 * BYTES && token.bytes().all(|b| b.is_ascii_hexdigit());
     whole.then_some(token)
 }

@@ -3,10 +3,10 @@
 use super::session::{Session, State};
 use crate::cli::failure::Failure;
 use crate::cli::frames::Frame;
-use crate::diagnostic::{Diagnostic, Severity, SourceId, Style};
-use crate::image::Image;
-use crate::program::Error;
-use crate::value::PixelValue;
+use pse::image::Image;
+use pse::internal::diagnostic::{Diagnostic, Severity, SourceId, Style};
+use pse::internal::program::Error;
+use pse::internal::value::PixelValue;
 use serde_json::{Value, json};
 
 /// An event as pages hear it (the HTML standard, section 9.2: server-sent events). JSON has no line ends of its own.
@@ -114,7 +114,7 @@ pub(super) fn failure(failure: &Failure) -> Value {
 /// Where a mistake is in the program's own text, counted as JavaScript counts.
 fn place(diagnostic: &Diagnostic, error: &Error) -> Option<Value> {
     // Of a mistake in an import, the call that led there.
-    let own = |span: &crate::diagnostic::Span| span.source == SourceId::default();
+    let own = |span: &pse::internal::diagnostic::Span| span.source == SourceId::default();
     let labels = diagnostic.labels.iter().map(|label| label.span);
     let span = labels.chain(diagnostic.trace.iter().map(|(_, span)| *span)).find(own)?;
     let text = &error.sources.get(span.source).text;
