@@ -17,6 +17,7 @@ pub mod diagnostic {
 pub mod eval {
     pub use crate::eval::*;
 }
+#[cfg(feature = "exr")]
 #[allow(missing_docs)]
 pub mod files {
     pub use crate::files::*;

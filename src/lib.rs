@@ -4,10 +4,14 @@
 
 mod assist;
 mod builtin;
+mod clock;
 mod diagnostic;
 mod eval;
+#[cfg(feature = "exr")]
 mod files;
+#[cfg(feature = "flow")]
 pub mod flow;
+#[cfg(feature = "scene")]
 pub mod gbuffer;
 mod host;
 pub mod image;
@@ -15,15 +19,20 @@ pub mod image;
 pub mod internal;
 mod lanes;
 mod math;
+#[cfg(feature = "measure")]
 pub mod measure;
+#[cfg(feature = "mesh")]
 pub mod mesh;
 pub mod noise;
+mod parallel;
 mod program;
 mod quote;
 mod reference;
 mod resolve;
+#[cfg(feature = "scene")]
 pub mod scene;
 mod shape;
+#[cfg(feature = "solid")]
 pub mod solid;
 mod spelling;
 mod syntax;
@@ -36,11 +45,14 @@ pub use crate::diagnostic::{Diagnostic, Style};
 pub use crate::eval::{
     BATCH, BatchArguments, BatchResult, Birth, Event, EventKind, HostFunction, NotFinite, Part, Printed,
 };
-pub use crate::host::Host;
+#[cfg(feature = "exr")]
+pub use crate::host::Disk;
+pub use crate::host::{Host, Memory, NoFiles};
 pub use crate::image::{Image, Variable};
 pub use crate::program::{
     Compiler, Error, Failure, Filter, Limits, Prints, Program, Progress, Report, RunOptions, Sampling,
     Stream, Trace, TraceOptions,
 };
 pub use crate::shape::Shape;
+pub use crate::texture::Origin;
 pub use crate::value::PixelValue;

@@ -1,5 +1,6 @@
 //! The embedding interface: compile a program once, run it on any number of images.
 
+#[cfg(any(feature = "flow", feature = "solid"))]
 mod ask;
 
 use crate::diagnostic::{Diagnostic, Sources, Style};

@@ -113,6 +113,7 @@ mod tests {
         assert_eq!(visible_name("a\nb\tc\x1b"), "a\\nb\\tc\\u{1b}");
     }
 
+    #[cfg(feature = "mesh")]
     #[test]
     fn json_stays_json() {
         let text = serde_json::json!({"name": "a\u{9b}b\u{202e}c\x1b"}).to_string();

@@ -3,8 +3,8 @@
 //! programs with branches, loops, early returns, recursion and values that change shape.
 
 use proptest::prelude::*;
+use pse::Origin;
 use pse::internal::lanes::Isa;
-use pse::internal::texture::Origin;
 use pse::{Compiler, Host, Image, Limits, PixelValue, Program, RunOptions, Shape, Variable};
 use std::sync::Arc;
 

@@ -6,8 +6,8 @@
 //! - A block whose first line is `# name.pse` can be imported by the others of its file.
 //! - A block marked `rust` in docs/tutorial.md is a part of examples/embed.rs, line for line.
 
+use pse::Origin;
 use pse::internal::host::{Disk, Memory};
-use pse::internal::texture::Origin;
 use pse::{Compiler, Error, Host, Image, PixelValue, Program, RunOptions, Shape, Variable, scene};
 use std::collections::HashMap;
 use std::fs;

@@ -3,10 +3,10 @@
 //!
 //! After a change on purpose, rewrite the messages with `INSTA_UPDATE=always cargo test --test errors`, and read them.
 
+use pse::Origin;
 use pse::internal::diagnostic::{Sources, Style};
 use pse::internal::host::{Disk, Host};
 use pse::internal::syntax;
-use pse::internal::texture::Origin;
 use pse::{Compiler, Error, HostFunction, Image, Program, RunOptions, Shape, Variable};
 use std::path::Path;
 

@@ -3,9 +3,9 @@
 //! `PSE_HOSTILE_SECONDS` says how long to try (4 if it is not set), `PSE_HOSTILE_SEED` where to begin. A failure tells
 //! the seed of its input. `cargo test --release --test hostile -- --nocapture` tells how many were tried.
 
+use pse::Memory;
 use pse::image::{ImageError, Input};
 use pse::internal::diagnostic::SourceId;
-use pse::internal::host::Memory;
 use pse::internal::syntax;
 use pse::{Compiler, Image, Limits, RunOptions, scene};
 use std::collections::HashMap;

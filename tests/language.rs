@@ -1,7 +1,7 @@
 //! What the language promises beyond one pixel and its variables: what the system provides, params, outputs, functions
 //! and files of the host, and how a run is watched and ended.
 
-use pse::internal::host::Memory;
+use pse::Memory;
 use pse::{
     BatchResult, Compiler, Error, HostFunction, Image, PixelValue, Program, Report, RunOptions, Shape,
     Variable,
@@ -369,4 +369,24 @@ fn errors_are_facts_as_well_as_text() {
     let [d] = &error.diagnostics[..] else { panic!("{error}") };
     assert_eq!((d.code, d.pixel, d.trace.len()), ("index", Some([1, 0]), 1));
     assert_eq!(error.sources.line_column(d.span().unwrap()), (2, 14));
+}
+
+#[test]
+fn the_generated_parser_is_current() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("grammar");
+    let folder = tempfile::tempdir().unwrap();
+    lalrpop::Configuration::new()
+        .set_in_dir(&root)
+        .set_out_dir(folder.path())
+        .process()
+        .expect("grammar/pse.lalrpop is a correct grammar");
+    let expected = std::fs::read_to_string(folder.path().join("pse.rs")).unwrap();
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(root.join("pse.rs"), &expected).unwrap();
+    }
+    let found = std::fs::read_to_string(root.join("pse.rs")).unwrap();
+    assert!(
+        found == expected,
+        "grammar/pse.rs is stale: UPDATE=1 cargo test --test language the_generated rewrites it"
+    );
 }

@@ -1,7 +1,7 @@
 //! Runs `tests/programs/*.pse`. A comment `#= value` behind an assignment says what its variable holds in the
 //! end, as an expression of the language; it is compared to within a millionth.
 
-use pse::internal::host::Disk;
+use pse::Disk;
 use pse::{Compiler, PixelValue, Program, RunOptions};
 use std::path::Path;
 

@@ -2,8 +2,8 @@
 //!
 //! After a change of a function's documentation, rewrite the file with `UPDATE=1 cargo test --test reference`.
 
+use pse::Disk;
 use pse::internal::builtin::reference::Entry;
-use pse::internal::host::Disk;
 use pse::internal::lanes::Isa;
 use pse::{Compiler, Error, Image, PixelValue, Program, RunOptions, Shape, Variable};
 

@@ -8,7 +8,7 @@ mod command;
 #[path = "trace/print.rs"]
 mod print;
 
-use pse::internal::host::Disk;
+use pse::Disk;
 use pse::{
     Compiler, EventKind, HostFunction, Image, NotFinite, PixelValue, Program, RunOptions, Trace,
     TraceOptions, scene,

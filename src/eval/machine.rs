@@ -101,6 +101,9 @@ pub(super) struct Machine<'r> {
     counts: Option<Vec<u32>>,
     /// In what is kept for the frame, which is the same for all lanes.
     keeping: bool,
+    /// Evaluations inside of evaluations.
+    #[cfg(not(feature = "deep"))]
+    pub nesting: u32,
     /// How often steps were counted, to look for a cancellation now and then.
     polls: u32,
     /// Does somebody look on, the clock or the tracer?
@@ -151,6 +154,8 @@ impl<'r> Machine<'r> {
             steps: 0,
             counts: None,
             keeping: false,
+            #[cfg(not(feature = "deep"))]
+            nesting: 0,
             polls: 0,
             watched: false,
             clock: None,

@@ -7,7 +7,7 @@ use super::run::{Attempt, Failure, Job, Report};
 use super::samples::{Places, is_id};
 use crate::diagnostic::Diagnostic;
 use crate::image::Image;
-use rayon::prelude::*;
+use crate::parallel::*;
 
 impl Job<'_> {
     /// Runs the whole image with the shapes known so far: once, or for each sample.

@@ -2,7 +2,7 @@
 
 use super::steps::Steps;
 use crate::image::Image;
-use rayon::prelude::*;
+use crate::parallel::*;
 
 /// One number a pixel, by the steps of the image's points. Where they tell nothing, and for an image without `point`, it
 /// is one pixel of a unit-high image.

@@ -1,10 +1,11 @@
 //! Where the time goes: what each statement took, without those inside of it.
 
 use super::machine::Machine;
+use crate::clock::Instant;
 use crate::diagnostic::Span;
 use crate::value::Mask;
 use std::collections::HashMap;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What a statement took in all threads together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

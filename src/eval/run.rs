@@ -10,9 +10,11 @@ use super::profile::Profile;
 use super::samples::{Places, Resample, Sampling};
 use super::shadow;
 use super::worker::{Stop, Worker};
+use crate::clock::Instant;
 use crate::diagnostic::Diagnostic;
 use crate::image::{Frame, Image, Matrix4, Variable};
 use crate::lanes::Isa;
+use crate::parallel;
 use crate::resolve::Resolved;
 use crate::shape::Shape;
 use crate::value::PixelValue;
@@ -20,7 +22,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Pixels that a thread takes at a time.
 const CHUNK: usize = 4 * super::BATCH;
@@ -401,24 +403,14 @@ impl<'r> Job<'r> {
 
     /// Runs `work` on every thread that was asked for, and says how many those are.
     fn in_threads(&self, work: &(impl Fn() + Sync)) -> Result<usize, Failure> {
-        let current = rayon::current_num_threads();
         // A thread without a chunk has nothing to do.
         let useful = self.total().div_ceil(CHUNK).max(1);
-        let threads = self.options.threads.unwrap_or(current).clamp(1, useful.min(MAX_THREADS));
-        let all = || rayon::scope(|scope| (0..threads).for_each(|_| scope.spawn(|_| work())));
-        if threads == 1 {
-            work();
-        } else if threads <= current {
-            all();
-        } else {
-            match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
-                Ok(pool) => pool.install(all),
-                Err(e) => {
-                    let error = Diagnostic::bare("threads", format!("cannot start {threads} threads: {e}"));
-                    return Err(Failure::Program(vec![error.hint("Ask for fewer threads.")]));
-                }
-            }
-        }
+        let threads = self.options.threads.unwrap_or_else(parallel::current_num_threads);
+        let threads = threads.clamp(1, useful.min(MAX_THREADS));
+        parallel::on_threads(threads, work).map_err(|e| {
+            let error = Diagnostic::bare("threads", format!("cannot start {threads} threads: {e}"));
+            Failure::Program(vec![error.hint("Ask for fewer threads.")])
+        })?;
         Ok(threads)
     }
 

@@ -13,9 +13,9 @@ use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use super::steps::{Along, Steps};
 use crate::image::Image;
+use crate::parallel::*;
 use crate::resolve::tree::Stmt;
 use crate::value::{Lanes, Mask, Plane, Value};
-use rayon::prelude::*;
 use smallvec::smallvec;
 use std::borrow::Cow;
 

@@ -6,8 +6,8 @@
 //! times that of the step on the other side of the pixel, or that of the step behind it.
 
 use crate::image::Image;
+use crate::parallel::*;
 use crate::shape::Shape;
-use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::borrow::Cow;
 

@@ -4,9 +4,9 @@ use super::trajectories::Trajectories;
 use super::{MAX_POINTS, Vector};
 use crate::gbuffer::{Projection, surfaces};
 use crate::image::{Image, Metadata, Variable};
+use crate::parallel::*;
 use crate::shape::Shape;
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 

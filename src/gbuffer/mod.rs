@@ -21,6 +21,7 @@ mod tests;
 
 pub use jumps::{JumpCounter, Jumps};
 pub use points::PointSampler;
+#[cfg(any(test, feature = "flow"))]
 pub(crate) use points::surfaces;
 pub use projection::Projection;
 pub use resection::{Resection, ResectionError, resect};

@@ -15,6 +15,7 @@ pub(super) const MAX_COORDINATE: f32 = 1e8;
 /// The share of a sample that one exact point may have. A point that more pixels share is the background's.
 const MAX_SHARE: f64 = 0.02;
 
+#[cfg(any(test, feature = "flow"))]
 /// The point of each pixel, `None` where there is no surface. Nothing for an image without `point`.
 pub(crate) fn surfaces<'a>(image: &'a Image<'_>) -> impl Iterator<Item = Option<[f32; 3]>> + 'a {
     let point = image.variable("point").filter(|v| v.shape == Shape::Vector(3));

@@ -1,9 +1,9 @@
 //! A file that can be read: its header first, then the variables that are asked for.
 
+use super::Raster;
 use super::bind::{self, Binding, Bound, Candidate, ChannelName, Mapping};
 use super::error::{ErrorKind, ImageError};
 use super::read_exr::{self, Exr};
-use super::read_raster::Raster;
 use super::source::{Input, Stamp};
 use super::{Image, Metadata};
 use std::borrow::Cow;

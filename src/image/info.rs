@@ -1,16 +1,14 @@
 //! What `pse info FILE` tells: sizes and windows, parts, attributes, each channel's range and variable,
 //! and notes on what may surprise.
 
+use super::RasterScan;
 use super::error::ImageError;
 use super::file::{Channel, File, Samples, Source};
-use super::header_exr::text;
 use super::names::last_field;
 use super::read_exr::ExrPart;
 use super::scan_exr::Scan;
-use super::scan_raster::RasterScan;
 use crate::visible::visible_name;
 use exr::meta::BlockDescription;
-use exr::meta::attribute::AttributeValue;
 use std::fmt;
 
 /// Everything about a file; its text is a table for people.
@@ -340,36 +338,6 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
 
 fn pixels(count: u64) -> String {
     format!("{count} {}", if count == 1 { "pixel" } else { "pixels" })
-}
-
-/// An attribute's value for people, cut if it is long.
-pub(crate) fn attribute_text(value: &AttributeValue) -> String {
-    let row = |v: &[f32]| v.iter().map(|x| x.to_string()).collect::<Vec<_>>().join(" ");
-    let shown = match value {
-        AttributeValue::Text(value) => text(value.as_slice()),
-        AttributeValue::TextVector(list) => {
-            list.iter().map(|value| text(value.as_slice())).collect::<Vec<String>>().join(" ")
-        }
-        AttributeValue::F32(v) => v.to_string(),
-        AttributeValue::F64(v) => v.to_string(),
-        AttributeValue::I32(v) => v.to_string(),
-        AttributeValue::Rational((a, b)) => format!("{a}/{b}"),
-        AttributeValue::FloatVec2(v) => row(&[v.0, v.1]),
-        AttributeValue::FloatVec3(v) => row(&[v.0, v.1, v.2]),
-        AttributeValue::IntVec2(v) => format!("{} {}", v.0, v.1),
-        AttributeValue::IntVec3(v) => format!("{} {} {}", v.0, v.1, v.2),
-        AttributeValue::Matrix3x3(m) => row(m),
-        AttributeValue::Matrix4x4(m) => row(m),
-        AttributeValue::Bytes { bytes, .. } => format!("{} bytes", bytes.len()),
-        AttributeValue::Custom { kind, bytes } => format!("{} bytes of {kind}", bytes.len()),
-        other => format!("{other:?}"),
-    };
-    let mut text: String = shown.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if let Some((cut, _)) = text.char_indices().nth(100) {
-        text.truncate(cut);
-        text.push('…');
-    }
-    text
 }
 
 /// A number in a few characters.

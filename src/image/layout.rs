@@ -2,7 +2,7 @@
 
 use super::color;
 use super::file::{Channel, Samples};
-use rayon::prelude::*;
+use crate::parallel::*;
 use std::ops::Range;
 
 /// The channels of a picture.

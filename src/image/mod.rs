@@ -4,67 +4,124 @@
 //! [`File::load`] then decodes only those that a program uses. [`write()`] makes files. Colours are linear
 //! in memory, and premultiplied by `alpha` where there is one, as OpenEXR files hold them.
 
+#[cfg(feature = "exr")]
 mod atomic;
+mod attributes;
+#[cfg_attr(not(feature = "exr"), allow(dead_code, reason = "most of it is about files"))]
 mod bind;
+#[cfg(feature = "raster")]
 mod bmp;
+#[cfg(feature = "exr")]
 mod chroma;
+#[cfg(feature = "exr")]
 mod chunk_table;
 pub mod color;
+#[cfg_attr(not(feature = "exr"), allow(dead_code, reason = "most of it is about files"))]
 mod error;
+#[cfg(feature = "exr")]
 mod file;
+#[cfg(feature = "exr")]
 mod frame_number;
+#[cfg_attr(not(feature = "raster"), allow(dead_code, reason = "most of it is about files"))]
 pub(crate) mod guard;
+#[cfg(feature = "raster")]
 mod hdr;
+#[cfg(feature = "exr")]
 mod header_exr;
+#[cfg(feature = "exr")]
 mod info;
+#[cfg(feature = "raster")]
 mod jpeg;
+#[cfg(feature = "raster")]
 mod layout;
+#[cfg_attr(not(feature = "exr"), allow(dead_code, reason = "most of it is about files"))]
 mod names;
+#[cfg(not(feature = "exr"))]
+mod no_files;
+#[cfg(all(feature = "exr", not(feature = "raster")))]
+mod no_raster;
+#[cfg(feature = "exr")]
 mod part_names;
+#[cfg(feature = "raster")]
 mod png_chunks;
+#[cfg(feature = "exr")]
 mod read_exr;
+#[cfg(feature = "raster")]
 mod read_raster;
+#[cfg(feature = "exr")]
 mod reading;
+#[cfg(feature = "exr")]
 mod rows;
+#[cfg(feature = "exr")]
 mod sampled_blocks;
+#[cfg(feature = "exr")]
 mod scan_exr;
+#[cfg(feature = "raster")]
 mod scan_raster;
 mod sequence;
+#[cfg(feature = "exr")]
 mod source;
+#[cfg(feature = "exr")]
 mod stamp;
+#[cfg(feature = "raster")]
 mod tga;
+#[cfg(feature = "raster")]
 mod tiff;
+#[cfg(feature = "exr")]
 mod unfinished;
+#[cfg(feature = "exr")]
 mod write;
+#[cfg(feature = "exr")]
 mod write_exr;
+#[cfg(feature = "raster")]
 mod write_png;
+#[cfg(feature = "raster")]
 mod write_raster;
+#[cfg(feature = "raster")]
 mod write_tiff;
 
-#[cfg(test)]
+#[cfg(all(test, feature = "raster", feature = "threads"))]
 mod tests;
 
+#[cfg(feature = "exr")]
 pub(crate) use atomic::temporary_folder;
+#[cfg(feature = "exr")]
 pub use atomic::{NewFile, check_target, same_file, same_target, write_file, write_program};
+pub use attributes::Attributes;
 pub use bind::{Binding, Candidate, Mapping};
 pub use error::{ErrorKind, ImageError};
+#[cfg(feature = "exr")]
 pub use file::{Channel, File, ReadOptions, Samples, read};
+#[cfg(feature = "exr")]
 pub use frame_number::frame_number;
+#[cfg(feature = "exr")]
 pub use info::{ChannelInfo, Info, PartInfo, info};
+#[cfg(not(feature = "exr"))]
+pub use no_files::{File, Input, ReadOptions, Rows, read};
+#[cfg(feature = "exr")]
 pub use reading::{Content, Force, protect_inputs, record, record_standard_input, recorded, set_force};
+#[cfg(feature = "exr")]
 pub use rows::Rows;
 pub use sequence::{Frame, MAX_FRAME, fill, has_pattern, number_in_name};
+#[cfg(feature = "exr")]
 pub use source::Input;
+#[cfg(feature = "exr")]
 pub use stamp::{is_whole, written_by_pse};
+#[cfg(feature = "exr")]
 pub use unfinished::{Unfinished, commit, end_process};
+#[cfg(feature = "exr")]
 pub use write::{Compression, Format, WriteOptions, Writer, encode, write};
+
+#[cfg(all(feature = "exr", not(feature = "raster")))]
+use no_raster::{Raster, RasterScan, RasterWriter};
+#[cfg(feature = "raster")]
+use {read_raster::Raster, scan_raster::RasterScan, write_raster::RasterWriter};
 
 mod build;
 
 pub use build::BuildError;
 
 use crate::shape::Shape;
-use exr::meta::attribute::AttributeValue;
 use std::borrow::Cow;
 
 /// An image in memory. Rows run from the top; a plane holds `width * height` numbers, row after row.
@@ -122,38 +179,6 @@ impl Default for Metadata {
 
 /// A matrix of four rows, for points that are columns.
 pub type Matrix4 = [[f32; 4]; 4];
-
-/// EXR header attributes that pass through from an input to an output, sorted by name.
-#[derive(Clone, Debug, Default)]
-pub struct Attributes {
-    pub(crate) list: Vec<(String, AttributeValue)>,
-}
-
-impl Attributes {
-    /// Names and values as text, for people.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, String)> {
-        self.list.iter().map(|(name, value)| (name.as_str(), info::attribute_text(value)))
-    }
-
-    /// The matrix of that name. OpenEXR's points are rows; here they are columns.
-    pub fn matrix(&self, name: &str) -> Option<Matrix4> {
-        let (_, value) = self.list.iter().find(|(n, _)| n == name)?;
-        match value {
-            AttributeValue::Matrix4x4(m) => {
-                Some(std::array::from_fn(|row| std::array::from_fn(|column| m[column * 4 + row])))
-            }
-            _ => None,
-        }
-    }
-
-    /// Sets the matrix of that name, for points that are columns.
-    pub fn set_matrix(&mut self, name: &str, matrix: &Matrix4) {
-        let rows = std::array::from_fn(|i| matrix[i % 4][i / 4]);
-        self.list.retain(|(n, _)| n != name);
-        self.list.push((name.to_string(), AttributeValue::Matrix4x4(rows)));
-        self.list.sort_by(|a, b| a.0.cmp(&b.0));
-    }
-}
 
 impl Image<'_> {
     /// The same with planes of its own.

@@ -1,11 +1,11 @@
 //! A file's variables a few rows at a time, so that an image need not be in memory as a whole.
 
+use super::RasterScan;
 use super::bind::Candidate;
 use super::chroma::{self, LuminanceChroma};
 use super::error::{ErrorKind, ImageError};
 use super::file::{Channel, File, Source};
 use super::scan_exr::{Scan, working_memory};
-use super::scan_raster::RasterScan;
 use super::source::Input;
 use super::{Image, Variable, guard};
 use crate::shape::Shape;

@@ -5,11 +5,11 @@ use super::file::{Channel, Samples};
 use super::read_exr::{Exr, explain};
 use super::source::{Input, ReadSeek};
 use super::{chunk_table, guard, sampled_blocks};
+use crate::parallel::*;
 use exr::math::Vec2;
 use exr::meta::attribute::{Compression, IntegerBounds};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, compute_block_count};
-use rayon::prelude::*;
 use std::io::{Read, SeekFrom};
 use std::ops::Range;
 
@@ -72,7 +72,7 @@ pub(crate) struct Scan<'f> {
 /// no more than some 16 MB if it need not be.
 fn batch(header: &Header, blocks: &Blocks) -> (usize, usize) {
     let bytes = header.channels.bytes_per_pixel * blocks.size.area();
-    let threads = rayon::current_num_threads();
+    let threads = crate::parallel::current_num_threads();
     (((16 << 20) / bytes.max(1)).clamp(2 * threads, 8 * threads), bytes)
 }
 
@@ -81,7 +81,7 @@ pub(super) fn working_memory(exr: &Exr) -> u64 {
     let headers = exr.headers();
     let one = |header: &Header| {
         let (batch, bytes) = batch(header, &Blocks::of(header));
-        (2 * batch + 2 * rayon::current_num_threads()) as u64 * bytes as u64
+        (2 * batch + 2 * crate::parallel::current_num_threads()) as u64 * bytes as u64
     };
     headers.map(one).max().unwrap_or(0)
 }

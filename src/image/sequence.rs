@@ -144,6 +144,7 @@ mod tests {
         assert_eq!(fill("a.%d.exr", 20_240_613), "a.20240613.exr");
     }
 
+    #[cfg(feature = "exr")]
     #[test]
     fn folders_are_literal() {
         for path in ["job#12/g.exr", "100%done/g.exr", "a@@/b.png", "x.####/g.exr", "/a/%04d/b"] {

@@ -143,6 +143,15 @@ impl Input {
         }
     }
 
+    /// Whether both are the same bytes in memory.
+    pub(crate) fn same_bytes(&self, other: &Input) -> bool {
+        match (self, other) {
+            (Input::Bytes { bytes: a, .. }, Input::Bytes { bytes: b, .. }) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+
+    #[cfg(feature = "raster")]
     /// The extension in lower case; empty if there is none.
     pub(crate) fn extension(&self) -> String {
         let name = self.name();
@@ -208,11 +217,21 @@ impl Input {
 
 /// Whether these first bytes are those of an image, as far as that can be told: TGA files have no mark there.
 fn begins_as_image(name: &str, bytes: &[u8]) -> bool {
+    bytes.starts_with(&super::read_exr::MAGIC) || begins_as_raster(name, bytes)
+}
+
+/// The same of all formats but OpenEXR.
+#[cfg(feature = "raster")]
+fn begins_as_raster(name: &str, bytes: &[u8]) -> bool {
     let tga = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
-    tga || bytes.starts_with(&super::read_exr::MAGIC)
-        || super::tiff::is_tiff(bytes)
+    tga || super::tiff::is_tiff(bytes)
         || super::hdr::is_hdr(&bytes[..bytes.len().min(super::hdr::LONGEST_HEADER as usize)])
         || ::image::guess_format(bytes).is_ok()
+}
+
+#[cfg(not(feature = "raster"))]
+fn begins_as_raster(_: &str, _: &[u8]) -> bool {
+    false
 }
 
 /// A reader of a temporary file that others read too.

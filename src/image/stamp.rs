@@ -1,11 +1,11 @@
 //! A word in a file's header that says from which run it comes, so that another run can tell that the file is the one
 //! it would write.
 
+use super::RasterScan;
 use super::error::ImageError;
 use super::file::{File, ReadOptions, Source, read};
 use super::reading::unrecorded;
 use super::scan_exr::Scan;
-use super::scan_raster::RasterScan;
 use super::source::Input;
 use super::write::Format;
 use exr::meta::attribute::AttributeValue;

@@ -1,10 +1,10 @@
 //! Writing images: which format, and what every format has in common.
 
 use super::Image;
+use super::RasterWriter;
 use super::atomic::NewFile;
 use super::error::{ErrorKind, ImageError};
 use super::write_exr::ExrWriter;
-use super::write_raster::RasterWriter;
 use std::io::Cursor;
 use std::path::Path;
 

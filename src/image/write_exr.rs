@@ -9,6 +9,7 @@ use super::names::{identifier, last_field};
 use super::stamp::{NAME, SOFTWARE, SOFTWARE_ATTRIBUTE};
 use super::write::{Compression, WriteOptions, unwritable};
 use super::{Image, Variable};
+use crate::parallel::*;
 use crate::shape::Shape;
 use exr::math::Vec2;
 use exr::meta::BlockDescription;
@@ -16,7 +17,6 @@ use exr::meta::attribute::{
     self, AttributeValue, ChannelDescription, ChannelList, IntegerBounds, LineOrder, SampleType, Text,
 };
 use exr::meta::header::Header;
-use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::io::{self, Seek, SeekFrom, Write};
 

@@ -29,6 +29,7 @@ mod write_glb;
 mod write_obj;
 mod write_ply;
 
+#[cfg(feature = "scene")]
 pub(crate) use cut::Cutter;
 pub use deform::Deform;
 pub use format::Format;

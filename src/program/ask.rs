@@ -1,6 +1,7 @@
 //! Functions that are asked at points of space, not at pixels.
 
 use super::{Error, Program, RunOptions};
+#[cfg(feature = "flow")]
 use crate::diagnostic::Diagnostic;
 use crate::image::{Image, Variable};
 use std::borrow::Cow;
@@ -38,6 +39,7 @@ impl Program {
         error
     }
 
+    #[cfg(feature = "flow")]
     /// The error of a value of a function that cannot be used, told at the function.
     pub(crate) fn refuse(&self, function: &str, message: String, hint: &str) -> Error {
         let found = self.resolved.functions.iter().find(|f| f.name == function);

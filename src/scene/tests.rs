@@ -233,6 +233,7 @@ fn neighbouring_normals_of_the_vase_show_no_speckles() {
     }
 }
 
+#[cfg(feature = "threads")]
 #[test]
 fn the_result_does_not_depend_on_threads() {
     let on = |threads| {

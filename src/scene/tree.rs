@@ -176,7 +176,7 @@ impl Builder<'_> {
         let second;
         if left.len().min(right.len()) >= PARALLEL {
             let mut others = Vec::new();
-            rayon::join(
+            crate::parallel::join(
                 || self.range(left, start, depth + 1, distinct, nodes),
                 || self.range(right, behind, depth + 1, distinct, &mut others),
             );

@@ -2,11 +2,11 @@
 
 use super::error::SolidError;
 use crate::image::Variable;
+use crate::parallel::*;
 use crate::program::{Compiler, Program, RunOptions};
 use crate::resolve::NO_FUNCTION;
 use crate::shape::Shape;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 

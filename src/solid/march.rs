@@ -4,9 +4,9 @@ use super::cuboid::Span;
 use super::error::SolidError;
 use super::field::{Bracket, Field, MANY, parts};
 use super::slopes::Slopes;
+use crate::parallel::*;
 use crate::scene::ray::Ray;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// The least step, as a share of a pixel's width there; and where the density is flat, just at the level.
 const LEAST_STEP: f64 = 1.0 / 64.0;

@@ -3,9 +3,9 @@
 use super::cuboid::Span;
 use super::error::SolidError;
 use super::field::{Field, MANY, parts};
+use crate::parallel::*;
 use crate::scene::ray::Ray;
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// A ray that lets less light than this through is at its end.
 const OPAQUE: f64 = 1e-3;

@@ -6,10 +6,11 @@ use super::error;
 use super::layout::{Comment, Spanned, layout};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
+/// The parser, generated from `grammar/pse.lalrpop`; a test tells when it is stale and writes it anew.
 #[allow(missing_docs, unused, clippy::all, clippy::pedantic)]
-mod grammar {
-    lalrpop_util::lalrpop_mod!(pub(super) pse);
-}
+#[rustfmt::skip]
+#[path = "../../grammar/pse.rs"]
+mod grammar;
 
 /// How many errors one run reports.
 pub const MAX_ERRORS: usize = 50;
@@ -68,7 +69,7 @@ pub(super) fn read(source: SourceId, text: &str) -> Whole {
     let mut laid = layout(source, text);
     let mut faults: Vec<Fault> = Vec::new();
     let stream = laid.tokens.iter().map(|&t| Ok(t));
-    let module = match grammar::pse::ModuleParser::new().parse(text, source, &mut faults, stream) {
+    let module = match grammar::ModuleParser::new().parse(text, source, &mut faults, stream) {
         Ok(module) => module,
         Err(error) => {
             faults.push(Fault::parse(error));

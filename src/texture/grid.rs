@@ -1,6 +1,7 @@
 //! Numbers by column and row: in memory, or in tiles of a file.
 
-use super::store::{Near, Number, Store};
+use super::number::Number;
+use super::store::{Near, Store};
 use crate::image::{ErrorKind, ImageError};
 use std::sync::Arc;
 

@@ -8,9 +8,14 @@
 mod grid;
 mod level;
 mod look;
+mod number;
 mod pyramid;
 mod source;
 mod sphere;
+#[cfg(feature = "exr")]
+mod store;
+#[cfg(not(feature = "exr"))]
+#[path = "no_store.rs"]
 mod store;
 mod sums;
 #[cfg(test)]

@@ -57,10 +57,9 @@ impl Source {
     /// Would both be read alike?
     pub fn same(&self, other: &Source) -> bool {
         let origin = match (&self.origin, &other.origin) {
-            (Origin::File(Input::Bytes { bytes: a, .. }), Origin::File(Input::Bytes { bytes: b, .. })) => {
-                Arc::ptr_eq(a, b)
+            (Origin::File(a), Origin::File(b)) => {
+                a.same_bytes(b) || a.path().is_some() && a.path() == b.path()
             }
-            (Origin::File(a), Origin::File(b)) => a.path().is_some() && a.path() == b.path(),
             (Origin::Image(a), Origin::Image(b)) => Arc::ptr_eq(a, b),
             _ => false,
         };
@@ -146,8 +145,12 @@ impl Source {
         Ok(texture)
     }
 
+    #[cfg_attr(
+        not(feature = "exr"),
+        expect(unreachable_code, unused_variables, reason = "there are no files")
+    )]
     fn open(&self, path: Option<PathBuf>) -> Result<Opened<'_>, ImageError> {
-        let input = match (&self.origin, path) {
+        let input: Input = match (&self.origin, path) {
             (Origin::Image(image), _) => {
                 let known: Vec<Known<'_>> = image.variables.iter().map(known).collect();
                 let wanted = wanted(&self.name, &known, self.channel.as_deref())?;

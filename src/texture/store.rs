@@ -11,33 +11,6 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// A number that tiles hold, least significant byte first.
-pub(super) trait Number: Copy + Default + Send + Sync + 'static {
-    /// Its bytes.
-    const SIZE: usize;
-    /// Writes it behind what is there.
-    fn put(self, out: &mut Vec<u8>);
-    /// Reads it from the beginning of these bytes.
-    fn get(bytes: &[u8]) -> Self;
-}
-
-macro_rules! number {
-    ($t:ty) => {
-        impl Number for $t {
-            const SIZE: usize = size_of::<$t>();
-            fn put(self, out: &mut Vec<u8>) {
-                out.extend_from_slice(&self.to_le_bytes());
-            }
-            #[inline]
-            fn get(bytes: &[u8]) -> Self {
-                bytes.first_chunk().map_or(Self::default(), |bytes| Self::from_le_bytes(*bytes))
-            }
-        }
-    };
-}
-number!(f32);
-number!(f64);
-
 /// A tile of a store: the store's number, and where in it the tile begins.
 type Key = (u64, u64);
 

@@ -3,7 +3,9 @@
 use super::source::from_image as arranged_from;
 use super::sphere;
 use super::*;
-use crate::image::{Frame, Image, Variable};
+#[cfg(feature = "raster")]
+use crate::image::Frame;
+use crate::image::{Image, Variable};
 
 const FILTERS: [Filter; 5] = [Filter::Mip, Filter::Sums, Filter::Nearest, Filter::Bilinear, Filter::Cubic];
 const WRAPS: [Wrap; 4] = [Wrap::Periodic, Wrap::Black, Wrap::Clamp, Wrap::Mirror];
@@ -289,6 +291,7 @@ fn a_long_footprint_is_not_blurred_across() {
     }
 }
 
+#[cfg(feature = "raster")]
 #[test]
 fn an_image_is_read_once_and_counted_each_time() {
     let folder = tempfile::tempdir().unwrap();
@@ -315,6 +318,7 @@ fn an_image_is_read_once_and_counted_each_time() {
     assert!(source.load(Frame::from(3.0_f32), &mut (taken - 1), &tiles).is_err());
 }
 
+#[cfg(feature = "raster")]
 #[test]
 fn tiles_are_as_memory_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,9 +3,9 @@
 use super::position::{Encoding, Lines};
 use super::uri;
 use gen_lsp_types::{Position, TextDocumentContentChangeEvent as Change, Uri};
+use pse::Origin;
 use pse::internal::assist::Reading;
 use pse::internal::host::{Disk, Host, clean};
-use pse::internal::texture::Origin;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -5,7 +5,7 @@ use super::source::{Picture, Pictures};
 use super::told::{self, Told};
 use super::watch::Watcher;
 use crate::cli::failure::Failure;
-use pse::internal::host::Disk;
+use pse::Disk;
 use pse::internal::program::{Compiler, ParamInfo, Program, Progress, RunOptions};
 use pse::internal::resolve::tree::Resolved;
 use std::path::PathBuf;
