@@ -1,9 +1,17 @@
 //! Lanes and the instruction set they run on.
 //!
 //! A kernel is a plain loop over slices. [`Isa::run`] runs it compiled for an instruction set that is
-//! chosen when the program starts: the baseline of the target, or AVX2. No kernel uses a fused
+//! chosen when the program starts: the baseline of the target, AVX2 or AVX-512. No kernel uses a fused
 //! multiply-add and Rust contracts nothing, so every instruction set gives the same bits (of a NaN only
-//! that it is one: its sign and payload are nobody's promise).
+//! that it is one: its sign and payload are not defined).
+//!
+//! Whatever a kernel calls in its loops must be `#[inline(always)]`: code that is not inlined into it is
+//! compiled for the baseline. This includes functions of the standard library. `std::array::from_fn`,
+//! `[T; N]::map` and `Iterator::zip` are only inlined by link-time optimisation, which the build of a program
+//! that embeds this library may not have; [`array()`] takes their place.
+
+// Loops over lanes index several arrays at once.
+#![allow(clippy::needless_range_loop)]
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -12,9 +20,13 @@ use pulp::{Arch, Simd, WithSimd};
 pub struct Isa(Arch);
 
 impl Isa {
-    /// The best one that this machine has.
+    /// The one that is expected to be the fastest on this machine.
+    ///
+    /// AVX-512 is chosen only where the processor also has its second extension of byte operations (VBMI2), which
+    /// came with Ice Lake and Zen 4. The server processors before those lower their clock while they run 512-bit
+    /// instructions, so that everything between kernels is slower.
     pub fn detect() -> Isa {
-        Isa(Arch::new())
+        Isa::avx512().filter(|_| keeps_clock_with_avx512()).or(Isa::avx2()).unwrap_or(Isa(Arch::new()))
     }
 
     /// The one that every machine of the target has.
@@ -22,23 +34,57 @@ impl Isa {
         Isa(Arch::Scalar)
     }
 
-    /// From the names `auto`, `baseline` and `avx2`; an error says why not.
+    /// AVX2, if this machine has it.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    fn avx2() -> Option<Isa> {
+        pulp::x86::V3::try_new().map(|v3| Isa(Arch::V3(v3)))
+    }
+
+    /// AVX-512, if this machine has it.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    fn avx512() -> Option<Isa> {
+        pulp::x86::V4::try_new().map(|v4| Isa(Arch::V4(v4)))
+    }
+
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    fn avx2() -> Option<Isa> {
+        None
+    }
+
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    fn avx512() -> Option<Isa> {
+        None
+    }
+
+    /// All that this machine has, the baseline first.
+    pub fn all() -> impl Iterator<Item = Isa> {
+        let native = Some(Isa::detect()).filter(|isa| isa.name() == "native");
+        [Some(Isa::baseline()), Isa::avx2(), Isa::avx512(), native].into_iter().flatten()
+    }
+
+    /// From the names `auto`, `baseline`, `avx2` and `avx512`.
+    ///
+    /// # Errors
+    /// If there is no such name, or if this machine does not have the instruction set.
     pub fn from_name(name: &str) -> Result<Isa, String> {
+        let had = |isa: Option<Isa>, what: &str| isa.ok_or_else(|| format!("this machine has no {what}"));
         match name {
             "auto" => Ok(Isa::detect()),
             "baseline" => Ok(Isa::baseline()),
-            "avx2" if Isa::detect().name() == "avx2" => Ok(Isa::detect()),
-            "avx2" => Err("this machine has no AVX2".to_string()),
-            _ => Err(format!("no instruction set `{name}`; there are auto, baseline and avx2")),
+            "avx2" => had(Isa::avx2(), "AVX2"),
+            "avx512" => had(Isa::avx512(), "AVX-512"),
+            _ => Err(format!("no instruction set `{name}`; there are auto, baseline, avx2 and avx512")),
         }
     }
 
-    /// `baseline`, `avx2`, or what else the machine's architecture offers.
+    /// `baseline`, `avx2`, `avx512`, or `native` for what another architecture has.
     pub fn name(self) -> &'static str {
         match self.0 {
             Arch::Scalar => "baseline",
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Arch::V3(_) => "avx2",
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Arch::V4(_) => "avx512",
             #[allow(unreachable_patterns)]
             _ => "native",
         }
@@ -52,6 +98,14 @@ impl Isa {
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         self.0.dispatch(OnArch(kernel))
     }
+}
+
+/// Whether the processor runs 512-bit instructions without lowering its clock: see [`Isa::detect`].
+fn keeps_clock_with_avx512() -> bool {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    return std::arch::is_x86_feature_detected!("avx512vbmi2");
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    false
 }
 
 impl Default for Isa {
@@ -85,6 +139,19 @@ impl<K: Kernel> WithSimd for OnArch<K> {
     fn with_simd<S: Simd>(self, _: S) -> K::Output {
         self.0.run()
     }
+}
+
+/// `[f(0), f(1), …]`: `std::array::from_fn` for kernels, inlined in every build. `N` must not be 0.
+#[inline(always)]
+pub fn array<T: Copy, const N: usize>(mut f: impl FnMut(usize) -> T) -> [T; N] {
+    const { assert!(N > 0) };
+    let mut all = [f(0); N];
+    let mut k = 1;
+    while k < N {
+        all[k] = f(k);
+        k += 1;
+    }
+    all
 }
 
 /// An operand: one value for all lanes, or one a lane.
@@ -169,9 +236,9 @@ impl<const N: usize, F: Fn([f32; N]) -> f32> Kernel for Map<'_, N, F> {
         let n = self.out.len();
         assert!(self.args.iter().all(|arg| arg.len() == n), "lanes of different lengths");
         // Slices of the very length of the output need no check of bounds in the loop.
-        let args = self.args.map(|arg| &arg[..n]);
+        let args: [&[f32]; N] = array(|k| &self.args[k][..n]);
         for i in 0..n {
-            self.out[i] = (self.f)(args.map(|arg| arg[i]));
+            self.out[i] = (self.f)(array(|k| args[k][i]));
         }
     }
 }
@@ -202,6 +269,9 @@ mod tests {
     fn names_are_understood() {
         assert_eq!(Isa::from_name("baseline").unwrap().name(), "baseline");
         assert_eq!(Isa::from_name("auto").unwrap().name(), Isa::detect().name());
+        for isa in Isa::all().filter(|isa| isa.name() != "native") {
+            assert_eq!(Isa::from_name(isa.name()).unwrap().name(), isa.name());
+        }
         assert!(Isa::from_name("sse9").unwrap_err().contains("sse9"));
     }
 

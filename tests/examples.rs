@@ -177,6 +177,7 @@ fn examples_compute_the_same_numbers_everywhere() {
         ("auto", " --threads 2 --batch 100"),
         ("baseline", " --threads 1"),
         ("avx2", " --threads 2"),
+        ("avx512", " --threads 2"),
         ("auto", " --no-optimize"),
     ];
     for (isa, options) in ways {

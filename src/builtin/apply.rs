@@ -2,7 +2,7 @@
 
 use super::call::{Call, Fault, arg};
 use super::{Builtin, Kernel as Form, Lanes2, LanesN};
-use crate::lanes::{Arg, Isa, Kernel};
+use crate::lanes::{Arg, Isa, Kernel, array};
 use crate::shape::Shape;
 use crate::value::{self, Lanes, Mismatch, Plane, Planes, Value};
 
@@ -151,7 +151,7 @@ impl<const N: usize, const K: usize, F: Fn([f32; N]) -> [f32; K]> Strips<'_, N, 
     fn compute(&self, strips: &[[f32; STRIP]; N]) -> [[f32; STRIP]; K] {
         let mut results = [[0.0; STRIP]; K];
         for i in 0..STRIP {
-            let result = (self.f)(std::array::from_fn(|k| strips[k][i]));
+            let result = (self.f)(array(|k| strips[k][i]));
             for k in 0..K {
                 results[k][i] = result[k];
             }

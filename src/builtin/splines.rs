@@ -95,7 +95,7 @@ fn curve<const W: usize>(
     Plane::filled(call.n, |out| {
         for (i, out) in out.iter_mut().enumerate() {
             let first = at[i] as usize;
-            *out = horner(make(from_fn(|k| knots[first + k][i])), along[i]);
+            *out = horner(make(lanes::array(|k| knots[first + k][i])), along[i]);
         }
     })
 }
@@ -109,7 +109,7 @@ fn piece<const W: usize>(
 ) -> Plane {
     let [out] = call.planes(knots.into_iter().chain([along]), |s, [out]| {
         for (i, out) in out.iter_mut().enumerate() {
-            *out = horner(make(from_fn(|k| s[k][i])), s[W][i]);
+            *out = horner(make(lanes::array(|k| s[k][i])), s[W][i]);
         }
     });
     out
@@ -159,7 +159,7 @@ impl<const W: usize> lanes::Kernel for LookUp<'_, W> {
     fn run(self) {
         for ((out, &at), &x) in self.out.iter_mut().zip(self.at).zip(self.along) {
             let piece = at as i32 as usize & (SHORT - 1);
-            *out = horner::<W>(from_fn(|k| self.table[k][piece]), x);
+            *out = horner::<W>(lanes::array(|k| self.table[k][piece]), x);
         }
     }
 }
@@ -246,7 +246,7 @@ impl<const W: usize> lanes::Kernel for Follow<'_, W> {
             }
             let mut result = [0.0; LANES];
             for i in 0..LANES {
-                result[i] = horner::<W>(from_fn(|k| f32::from_bits(row[k][i])), along[i]);
+                result[i] = horner::<W>(lanes::array(|k| f32::from_bits(row[k][i])), along[i]);
             }
             let n = out.len();
             out.copy_from_slice(&result[..n]);

@@ -167,7 +167,7 @@ fn every_instruction_set_and_length_gives_the_bits_of_one_lane() {
     let mut numbers = awkward();
     numbers.extend(random(100_000));
     let turned: Vec<f32> = numbers.iter().skip(77).chain(&numbers[..77]).copied().collect();
-    for isa in [Isa::baseline(), Isa::detect()] {
+    for isa in Isa::all() {
         for n in [1, 7, 255, 256, 257, numbers.len()] {
             let (a, b) = (&numbers[..n], &turned[..n]);
             let mut out = vec![0.0; n];

@@ -23,7 +23,7 @@ use super::field::{Field, TILE, coordinates, tiles};
 use super::hash;
 use super::kind::{Contract, Kind, Made, Smoothness};
 use super::options::{Opt, Params};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use cells::{Cells, Points};
 use metric::{Chebyshev, Euclidean, Manhattan, Metric};
 use search::{NONE, Nearest, nearest};
@@ -206,7 +206,7 @@ impl<M: Metric, const D: usize> Kernel for Slopes<'_, M, D> {
     fn run(self) -> [[f32; TILE]; D] {
         let mut slopes = self.slopes;
         for i in 0..TILE {
-            let slope = M::slope::<D>(std::array::from_fn(|k| self.away[k][i]));
+            let slope = M::slope::<D>(array(|k| self.away[k][i]));
             for k in 0..D {
                 slopes[k][i] += self.factor * slope[k];
             }

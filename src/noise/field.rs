@@ -1,6 +1,6 @@
 //! A noise ready to be evaluated, and the loop over lanes that most kinds share.
 
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 
 /// An algorithm with its parameters, for points of some number of coordinates.
 ///
@@ -63,7 +63,7 @@ pub(super) fn coordinates<'a, const D: usize>(p: &[&'a [f32]]) -> [&'a [f32]; D]
 /// knows that they do not overlap.
 pub(super) const TILE: usize = 64;
 /// A tile is filled up to a multiple of the widest vector, so that no lane runs alone.
-pub(super) const WIDTH: usize = 8;
+pub(super) const WIDTH: usize = 16;
 
 /// Copies up to [`TILE`] lanes of each coordinate, from lane `start`, and tells how many to work on.
 #[inline(always)]
@@ -95,7 +95,7 @@ impl<A: Pointwise<D>, const D: usize> Kernel for Values<'_, A, D> {
             let (p, work) = load(&self.p, start, end);
             let mut values = [0.0; TILE];
             for i in 0..work {
-                values[i] = self.algorithm.value(std::array::from_fn(|k| p[k][i]));
+                values[i] = self.algorithm.value(array(|k| p[k][i]));
             }
             self.out[start..end].copy_from_slice(&values[..end - start]);
         }
@@ -116,7 +116,7 @@ impl<A: Pointwise<D>, const D: usize> Kernel for Derivatives<'_, '_, A, D> {
             let (p, work) = load(&self.p, start, end);
             let mut gradients = [[0.0; TILE]; D];
             for i in 0..work {
-                let jet = self.algorithm.jet(std::array::from_fn(|k| p[k][i]));
+                let jet = self.algorithm.jet(array(|k| p[k][i]));
                 for (gradients, gradient) in gradients.iter_mut().zip(jet.gradient) {
                     gradients[i] = gradient;
                 }

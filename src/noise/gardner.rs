@@ -23,7 +23,7 @@
 use super::field::{Field, TILE, coordinates, load, tiles};
 use super::kind::{Contract, Kind, Smoothness};
 use super::{hash, related_seed};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use crate::math::{cos_lanes, sin_lanes};
 use std::array::from_fn;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
@@ -278,7 +278,7 @@ impl<const D: usize> Kernel for Slopes<'_, D> {
     fn run(self) -> [[f32; TILE]; D] {
         let Slopes { waves, tile, scale } = self;
         let mut slopes = [[0.0; TILE]; D];
-        let series: [_; D] = from_fn(|k| series(&tile.sines[k]));
+        let series: [_; D] = array(|k| series(&tile.sines[k]));
         for k in 0..D {
             let mut others = [scale; TILE];
             for other in (0..D).filter(|&other| other != k) {
@@ -290,7 +290,7 @@ impl<const D: usize> Kernel for Slopes<'_, D> {
                 // The term's angle changes along its own axis by its frequency, and along the others by its
                 // phase.
                 let own = waves[k][i + 1].frequency as f32 * TAU;
-                let phase = waves.map(|waves| waves[i].frequency as f32 * (TAU * FRAC_PI_2));
+                let phase: [f32; D] = array(|k| waves[k][i].frequency as f32 * (TAU * FRAC_PI_2));
                 for lane in 0..TILE {
                     let term = SIZES[i] * tile.cosines[k][i][lane] * others[lane];
                     for axis in 0..D {

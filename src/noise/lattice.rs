@@ -5,6 +5,7 @@
 //! - NaN and infinities give NaN.
 
 use super::hash;
+use crate::lanes::array;
 
 /// Which lattice points are the same.
 pub(super) trait Wrap<const D: usize>: Copy + Send + Sync {
@@ -13,7 +14,7 @@ pub(super) trait Wrap<const D: usize>: Copy + Send + Sync {
     /// [`hash::whole`] of those of the lower and of the upper corner of a cell.
     #[inline(always)]
     fn ends(&self, low: f32, axis: usize) -> [u32; 2] {
-        [low, low + 1.0].map(|x| hash::whole(self.wrap(x, axis)))
+        array(|end| hash::whole(self.wrap(low + end as f32, axis)))
     }
 }
 

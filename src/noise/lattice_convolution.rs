@@ -16,6 +16,7 @@ use super::lattice::{Lattice, Wrap, lattice_field};
 use super::options::Opt;
 use super::tensor::{ByRows, Row, Rows, dot};
 use super::value;
+use crate::lanes::array;
 
 /// Lattice convolution noise.
 pub static KIND: Kind = Kind {
@@ -67,7 +68,7 @@ impl<W, const D: usize> Convolution<W, D> {
     #[inline(always)]
     fn distances(row: &Row<D>) -> [f32; 4] {
         let line = (1..D).fold(0.0, |sum, k| sum + row.line_factors[k]);
-        row.factors.map(|x| (x + line).sqrt())
+        array(|i| (row.factors[i] + line).sqrt())
     }
 }
 
@@ -83,7 +84,10 @@ impl<W: Wrap<D>, const D: usize> Rows<D> for Convolution<W, D> {
     /// Distances squared.
     #[inline(always)]
     fn factors(t: f32) -> [f32; 4] {
-        Self::slopes(t).map(|x| x * x)
+        {
+            let slopes = Self::slopes(t);
+            array(|i| slopes[i] * slopes[i])
+        }
     }
 
     /// Offsets.
@@ -94,15 +98,18 @@ impl<W: Wrap<D>, const D: usize> Rows<D> for Convolution<W, D> {
 
     #[inline(always)]
     fn part<const CORNERS: bool>(&self, row: &Row<D>) -> f32 {
-        dot(value::values(row.hashes), Self::distances(row).map(filter))
+        dot(value::values(row.hashes), {
+            let r = Self::distances(row);
+            array(|i| filter(r[i]))
+        })
     }
 
     #[inline(always)]
     fn derivative<const CORNERS: bool>(&self, row: &Row<D>) -> [f32; D] {
         let (values, r) = (value::values(row.hashes), Self::distances(row));
-        let pulls: [f32; 4] = std::array::from_fn(|i| values[i] * slope_by_distance(r[i]));
+        let pulls: [f32; 4] = array(|i| values[i] * slope_by_distance(r[i]));
         let all = (pulls[0] + pulls[1]) + (pulls[2] + pulls[3]);
-        let mut gradient = row.line_slopes.map(|x| x * all);
+        let mut gradient = array(|k| row.line_slopes[k] * all);
         gradient[0] = dot(pulls, row.slopes);
         gradient
     }

@@ -22,7 +22,7 @@ use super::direction::{ARC, arc};
 use super::field::{Field, Jet, TILE, WIDTH, coordinates, tiles};
 use super::hash;
 use super::lattice::{Lattice, Wrap};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 
 /// What the noises differ in. Its functions must be `#[inline(always)]`.
 pub(super) trait Planes: Copy + Send + Sync {
@@ -80,14 +80,15 @@ impl<P: Planes, W: Wrap<D>, const D: usize> Field for Tiled<Linear<P, W, D>, D> 
 impl<P: Planes, W: Wrap<D>, const D: usize> Linear<P, W, D> {
     /// On this lattice.
     pub(super) fn new(lattice: Lattice<W, D>) -> Self {
-        let seeds = std::array::from_fn(|axis| lattice.seed(axis));
+        let seeds = array(|axis| lattice.seed(axis));
         Linear { wrap: lattice.wrapping(), seeds, further: hash::FURTHER, planes: std::marker::PhantomData }
     }
 
     /// The keys of the lower and of the upper corner along an axis.
     #[inline(always)]
     fn keys(&self, low: f32, axis: usize) -> [u32; 2] {
-        self.wrap.ends(low, axis).map(|whole| hash::key(whole, axis).wrapping_add(self.seeds[axis]))
+        let ends = self.wrap.ends(low, axis);
+        array(|end| hash::key(ends[end], axis).wrapping_add(self.seeds[axis]))
     }
 
     /// The key along an axis that is not given, which counts as 0.
@@ -149,7 +150,7 @@ fn height<P: Planes, const D: usize>(further: [u32; 3], hash: u32, offset: [f32;
 /// More random numbers of a lattice point.
 #[inline(always)]
 fn number_of(further: [u32; 3], hash: u32) -> [u32; 3] {
-    further.map(|factor| hash.wrapping_mul(factor))
+    array(|i| hash.wrapping_mul(further[i]))
 }
 
 /// The units of gradients along the axes, and of offsets, for [`jet`].
@@ -319,7 +320,7 @@ impl<const D: usize> Tile<D> {
         let one = |stack: usize| {
             let ends = [j & 1, j >> 1, stack & 1, stack >> 1];
             let factor = if D > 2 { self.stacks[stack % D][i] } else { flat };
-            let offset = std::array::from_fn(|k| self.offsets[k][ends[k]][i]);
+            let offset = array(|k| self.offsets[k][ends[k]][i]);
             corner(self.columns[j][i].wrapping_mul(factor), offset, ends)
         };
         match D {
@@ -356,7 +357,7 @@ impl<P: Planes, W: Wrap<D>, const D: usize> Kernel for Values<'_, P, W, D> {
             for c in 0..1 << D {
                 for i in 0..work {
                     let factor = if D > 2 { tile.stacks[(c >> 2) % D][i] } else { flat };
-                    let offset = std::array::from_fn(|k| tile.offsets[k][c >> k & 1][i]);
+                    let offset = array(|k| tile.offsets[k][c >> k & 1][i]);
                     heights[c][i] =
                         height::<P, D>(further, tile.columns[c & 3][i].wrapping_mul(factor), offset);
                 }
@@ -426,10 +427,7 @@ impl<P: Planes, W: Wrap<D>, const D: usize> Kernel for Derivatives<'_, '_, P, W,
                 }
             }
             for i in 0..work {
-                let column = |j: usize| Jet {
-                    value: heights[j][i],
-                    gradient: std::array::from_fn(|k| gradients[j][k][i]),
-                };
+                let column = |j: usize| Jet { value: heights[j][i], gradient: array(|k| gradients[j][k][i]) };
                 let blend = |k: usize, a, b| blend(k, tile.weights[k % D][i], slopes.weights[k % D][i], a, b);
                 let jet: Jet<D> = across::<_, D>(column, blend);
                 for k in 0..D {

@@ -27,6 +27,7 @@ use super::hash;
 use super::kind::{Contract, Kind, Smoothness};
 use super::lattice::{Endless, Lattice};
 use super::related_seed;
+use crate::lanes::array;
 use std::sync::Arc;
 
 /// Simplex noise, 2001.
@@ -235,7 +236,7 @@ impl<const D: usize> Pointwise<D> for Simplex<D> {
         if D > 3 {
             sum = add(sum, cell.surflet_jet(4));
         }
-        Jet { value: sum.value * cell.scale, gradient: sum.gradient.map(|g| g * cell.scale) }
+        Jet { value: sum.value * cell.scale, gradient: array(|k| sum.gradient[k] * cell.scale) }
     }
 }
 

@@ -328,7 +328,7 @@ mod tests {
         let (value, gradient) = (values(&table, Isa::baseline(), &p), gradients(&table, Isa::baseline(), &p));
         for lanes in [1, 7, 64, 65, 299] {
             let cut: Vec<&[f32]> = p.iter().map(|p| &p[300 - lanes..]).collect();
-            for isa in [Isa::baseline(), Isa::detect()] {
+            for isa in Isa::all() {
                 assert_eq!(bits(&values(&table, isa, &cut)), bits(&value[300 - lanes..]));
                 for (some, all) in gradients(&table, isa, &cut).iter().zip(&gradient) {
                     assert_eq!(bits(some), bits(&all[300 - lanes..]));

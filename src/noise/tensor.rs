@@ -10,7 +10,7 @@
 use super::field::{Field, TILE, coordinates, load, tiles};
 use super::hash;
 use super::lattice::{Lattice, Wrap};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 
 /// An algorithm that adds up what each row of lattice points gives. Its functions must be
 /// `#[inline(always)]`.
@@ -138,8 +138,8 @@ impl<const D: usize> Tile<D> {
         let hash = |key: u32| hash::point(key ^ line);
         let four = |[a, b, c, d]: &[[f32; TILE]; 4]| [a[i], b[i], c[i], d[i]];
         Row {
-            place: place.map(|k| k as f32 - 1.0),
-            t: std::array::from_fn(|k| self.t[k][i]),
+            place: array(|k| place[k] as f32 - 1.0),
+            t: array(|k| self.t[k][i]),
             hashes: [hash(a[i]), hash(b[i]), hash(c[i]), hash(d[i])],
             factors: four(&self.factors[0]),
             slopes: four(&self.slopes[0]),

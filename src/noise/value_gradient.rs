@@ -13,6 +13,7 @@ use super::lattice::{Lattice, Wrap, lattice_field};
 use super::options::{Opt, Params};
 use super::tensor::{ByRows, Row, Rows, catmull_rom, catmull_rom_slopes};
 use super::value;
+use crate::lanes::array;
 
 /// Value-gradient noise.
 pub static KIND: Kind = Kind {
@@ -82,21 +83,26 @@ fn corner_weight(t: f32, at: f32) -> (f32, f32) {
 #[inline(always)]
 fn corners<const D: usize>(row: &Row<D>) -> f32 {
     let mut sum = 0.0;
-    for (hash, at) in [(row.hashes[1], 0.0), (row.hashes[2], 1.0)] {
+    for corner in 0..2 {
+        let (hash, at) = (row.hashes[1 + corner], corner as f32);
         let mut offset = [row.t[0] - at; D];
         for k in 1..D {
             offset[k] = row.t[k] - row.place[k];
         }
         sum += along(more(hash), offset) * corner_weight(row.t[0], at).0;
     }
-    (1..D).fold(sum, |sum, k| sum * corner_weight(row.t[k], row.place[k]).0)
+    for k in 1..D {
+        sum *= corner_weight(row.t[k], row.place[k]).0;
+    }
+    sum
 }
 
 /// The derivative of that.
 #[inline(always)]
 fn corners_derivative<const D: usize>(row: &Row<D>) -> [f32; D] {
     let mut sum = [0.0; D];
-    for (hash, at) in [(row.hashes[1], 0.0), (row.hashes[2], 1.0)] {
+    for corner in 0..2 {
+        let (hash, at) = (row.hashes[1 + corner], corner as f32);
         let (mut offset, mut weight, mut slope) = ([0.0; D], [0.0; D], [0.0; D]);
         for k in 0..D {
             let at = if k == 0 { at } else { row.place[k] };
@@ -143,12 +149,13 @@ impl<W: Wrap<D>, const D: usize> Rows<D> for ValueGradient<W, D> {
 
     #[inline(always)]
     fn derivative<const CORNERS: bool>(&self, row: &Row<D>) -> [f32; D] {
-        let value = row.weigh_slopes(value::values(row.hashes)).map(|g| g * self.value);
+        let slopes = row.weigh_slopes(value::values(row.hashes));
+        let value: [f32; D] = array(|k| slopes[k] * self.value);
         if !CORNERS {
             return value;
         }
         let gradient = corners_derivative(row);
-        std::array::from_fn(|k| value[k] + gradient[k] * (STEEPNESS * self.gradient))
+        array(|k| value[k] + gradient[k] * (STEEPNESS * self.gradient))
     }
 }
 

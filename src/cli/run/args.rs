@@ -30,8 +30,8 @@ Examples:
 Pictures (.png .jpg .tif .hdr .bmp .tga .webp) show color. Of a program that assigns none, they show the one \
 variable that --vars names: a scalar as grey, a vector of 3 as a colour. An .exr file holds any variable.
 
-Without -i and --scene, the built-in donut is used. PSE_SIMD=baseline or avx2 in the environment chooses the \
-instruction set; the result is the same.";
+Without -i and --scene, the built-in donut is used. PSE_SIMD=baseline, avx2 or avx512 in the environment \
+chooses the instruction set; the result is the same.";
 
 /// What to run, on what, and where to.
 #[derive(Debug, Args)]

@@ -1,6 +1,6 @@
 //! Strips of lanes, and the loops that run over them.
 
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 
 /// Lanes of a block, which a kernel takes at a time.
 pub const BLOCK: usize = 64;
@@ -35,7 +35,7 @@ pub type Zip = fn(Isa, &[&[Block]], &mut [Block]);
 /// If there are not `N` arguments, or if one is empty.
 #[inline]
 pub fn zip<const N: usize>(isa: Isa, args: &[&[Block]], out: &mut [Block], f: impl Fn([f32; N]) -> f32) {
-    let args: [&[Block]; N] = std::array::from_fn(|k| args[k]);
+    let args: [&[Block]; N] = array(|k| args[k]);
     isa.run(Zipped { args, out, f });
 }
 
@@ -49,12 +49,12 @@ impl<const N: usize, F: Fn([f32; N]) -> f32> Kernel for Zipped<'_, N, F> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let last = self.args.map(|arg| arg.len() - 1);
+        let last: [usize; N] = array(|k| self.args[k].len() - 1);
         for (b, out) in self.out.iter_mut().enumerate() {
-            let blocks: [&Block; N] = std::array::from_fn(|k| &self.args[k][b.min(last[k])]);
+            let blocks: [&Block; N] = array(|k| &self.args[k][b.min(last[k])]);
             let mut result = [0.0; BLOCK];
             for i in 0..BLOCK {
-                result[i] = (self.f)(std::array::from_fn(|k| blocks[k][i]));
+                result[i] = (self.f)(array(|k| blocks[k][i]));
             }
             *out = result;
         }
@@ -73,7 +73,7 @@ pub fn zip_numbers<const N: usize>(
     f: impl Fn([f32; N]) -> f32,
 ) {
     const { assert!(N == 2 || N == 3) };
-    let args: [&[Block]; N] = std::array::from_fn(|k| args[k]);
+    let args: [&[Block]; N] = array(|k| args[k]);
     // An output of one block is as long as a number.
     let known = (0..N).fold(0, |known, k| known | usize::from(args[k].len() < out.len()) << k);
     match known {
@@ -100,15 +100,13 @@ impl<const N: usize, const KNOWN: usize, F: Fn([f32; N]) -> f32> Kernel for With
     #[inline(always)]
     fn run(self) {
         let n = self.out.len();
-        let numbers: [f32; N] = std::array::from_fn(|k| self.args[k][0][0]);
+        let numbers: [f32; N] = array(|k| self.args[k][0][0]);
         let args: [&[Block]; N] =
-            std::array::from_fn(|k| if KNOWN >> k & 1 == 1 { self.args[k] } else { &self.args[k][..n] });
+            array(|k| if KNOWN >> k & 1 == 1 { self.args[k] } else { &self.args[k][..n] });
         for (b, out) in self.out.iter_mut().enumerate() {
             let mut result = [0.0; BLOCK];
             for i in 0..BLOCK {
-                result[i] = (self.f)(std::array::from_fn(|k| {
-                    if KNOWN >> k & 1 == 1 { numbers[k] } else { args[k][b][i] }
-                }));
+                result[i] = (self.f)(array(|k| if KNOWN >> k & 1 == 1 { numbers[k] } else { args[k][b][i] }));
             }
             *out = result;
         }

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::metric::lesser;
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use crate::noise::field::{TILE, load};
 use crate::noise::lattice::{Endless, Lattice, Periodic};
 use crate::noise::{Opt, Params, Unfit, hash, related_seed};
@@ -100,7 +100,7 @@ impl<const D: usize> Kernel for Recall<'_, D> {
     fn run(self) -> Self::Output {
         let mut hashes = [0; TILE];
         for k in 0..D {
-            let at = std::array::from_fn(|i| self.points.low[k][i] + off(self.cell[i], k));
+            let at = array(|i| self.points.low[k][i] + off(self.cell[i], k));
             let keys = self.cells.keys(k, &at);
             for i in 0..TILE {
                 hashes[i] ^= keys[i];
@@ -109,7 +109,7 @@ impl<const D: usize> Kernel for Recall<'_, D> {
         let mut away = [[0.0; TILE]; D];
         for i in 0..TILE {
             hashes[i] = hash::point(hashes[i]);
-            let middle = std::array::from_fn(|k| (off(self.cell[i], k) + 0.5) - self.points.rest[k][i]);
+            let middle = array(|k| (off(self.cell[i], k) + 0.5) - self.points.rest[k][i]);
             let vector = self.cells.away(hashes[i], middle);
             for k in 0..D {
                 away[k][i] = vector[k];
@@ -183,7 +183,7 @@ impl<const D: usize> Kernel for Load<'_, D> {
         }
         for k in 0..D {
             for (side, step) in [-1.0, 0.0, 1.0].into_iter().enumerate() {
-                self.points.keys[k][side] = self.cells.keys(k, &low[k].map(|low| low + step));
+                self.points.keys[k][side] = self.cells.keys(k, &array(|i| low[k][i] + step));
             }
         }
         (self.points.low, self.points.rest, self.points.work) = (low, rest, work);

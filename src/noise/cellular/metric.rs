@@ -1,5 +1,6 @@
 //! What distance is.
 
+use crate::lanes::array;
 use crate::math::sign;
 
 /// A way to measure vectors.
@@ -41,7 +42,7 @@ impl Metric for Euclidean {
     fn slope<const D: usize>(away: [f32; D]) -> [f32; D] {
         let length = Self::measure(away).sqrt();
         let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
-        away.map(|a| a * inverse)
+        array(|k| away[k] * inverse)
     }
 }
 
@@ -62,7 +63,7 @@ impl Metric for Manhattan {
 
     #[inline(always)]
     fn slope<const D: usize>(away: [f32; D]) -> [f32; D] {
-        away.map(sign)
+        array(|k| sign(away[k]))
     }
 }
 

@@ -9,10 +9,9 @@
 
 use super::cells::{Cells, OWN, Points};
 use super::metric::{Metric, greater, lesser};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use crate::noise::field::TILE;
 use crate::noise::hash;
-use std::array::from_fn;
 use std::marker::PhantomData;
 
 /// The nearest feature points: bits of the measures of the distance to them, and their cells. The bits of
@@ -172,7 +171,7 @@ pub fn further<M: Metric, const D: usize>(
     second: bool,
     nearest: Nearest<i32>,
 ) -> Nearest<i32> {
-    let (low, rest) = (from_fn(|k| points.low[k][i]), from_fn(|k| points.rest[k][i]));
+    let (low, rest) = (array(|k| points.low[k][i]), array(|k| points.rest[k][i]));
     let mut closest = [0.0; D];
     let mut least = 0.5;
     for k in (0..D).rev() {

@@ -1,7 +1,7 @@
 //! Kernels: what stands about an impulse, as a function of the distance, and of where in their cycle waves are.
 
 use super::UNIT;
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use std::f64::consts::PI;
 
 /// A kernel.
@@ -43,8 +43,10 @@ impl<R: Radial> Kernel for Values<'_, R> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for (size, square) in self.sizes.iter_mut().zip(self.squares) {
-            *size *= self.kernel.value(*square);
+        let Values { kernel, squares, sizes } = self;
+        let squares = &squares[..sizes.len()];
+        for i in 0..sizes.len() {
+            sizes[i] *= kernel.value(squares[i]);
         }
     }
 }
@@ -59,8 +61,10 @@ impl<R: Radial> Kernel for Slopes<'_, R> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for (size, square) in self.sizes.iter_mut().zip(self.squares) {
-            *size *= self.kernel.slope(*square);
+        let Slopes { kernel, squares, sizes } = self;
+        let squares = &squares[..sizes.len()];
+        for i in 0..sizes.len() {
+            sizes[i] *= kernel.slope(squares[i]);
         }
     }
 }
@@ -211,7 +215,7 @@ impl Curve {
         // The integer stands in the lowest bits.
         let piece = self.pieces[(low + 8_388_608.0).to_bits() as usize % STEPS];
         let inside = x < self.steps;
-        (piece.map(|c| if inside { c } else { 0.0 }), x - low)
+        (array(|k| if inside { piece[k] } else { 0.0 }), x - low)
     }
 }
 
@@ -269,8 +273,10 @@ impl Kernel for WaveValues<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for ((size, square), turns) in self.sizes.iter_mut().zip(self.squares).zip(self.turns) {
-            *size *= self.bell.value(*square) * cosine(*turns).0;
+        let WaveValues { bell, squares, turns, sizes } = self;
+        let (squares, turns) = (&squares[..sizes.len()], &turns[..sizes.len()]);
+        for i in 0..sizes.len() {
+            sizes[i] *= bell.value(squares[i]) * cosine(turns[i]).0;
         }
     }
 }
@@ -286,10 +292,12 @@ impl Kernel for WaveSlopes<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for ((size, square), turns) in self.sizes.iter_mut().zip(self.squares).zip(self.turns) {
-            let (wave, turn) = cosine(*turns);
-            *turns = *size * self.bell.value(*square) * turn * (-1.0 / UNIT);
-            *size *= self.bell.slope(*square) * wave;
+        let WaveSlopes { bell, squares, turns, sizes } = self;
+        let (squares, turns) = (&squares[..sizes.len()], &mut turns[..sizes.len()]);
+        for i in 0..sizes.len() {
+            let (wave, turn) = cosine(turns[i]);
+            turns[i] = sizes[i] * bell.value(squares[i]) * turn * (-1.0 / UNIT);
+            sizes[i] *= bell.slope(squares[i]) * wave;
         }
     }
 }

@@ -11,7 +11,7 @@
 use super::kernels::Radial;
 use super::tile::{BLOCK, GROUP, Group, Lanes, ROW, Tile};
 use super::{Process, Profile, Slot, Waves, waves};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use crate::noise::field::TILE;
 
 /// Groups of lanes in a tile.
@@ -182,8 +182,9 @@ impl<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool> Ad
         let mut sums = *self.sums;
         for slot in &process.slots[..process.always] {
             let slot = *slot;
-            for (near, hash) in process.block(self.block).iter().zip(&tile.hashes) {
-                let seen = tile.rows(near);
+            let near = process.block(self.block);
+            for cell in 0..near.len().min(BLOCK) {
+                let (seen, hash) = (tile.rows(&near[cell]), &tile.hashes[cell]);
                 for i in 0..work {
                     let mut square = 0.0;
                     for k in 0..D {
@@ -231,12 +232,15 @@ impl<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool> Ad
                     let at = list[(start + e) % (GROUPS * BLOCK)];
                     let (cell, first) = (usize::from(at) % BLOCK, usize::from(at) / BLOCK * GROUP);
                     let hash = group(&tile.hashes[cell], first);
-                    let seen =
-                        std::array::from_fn(|k| group(&tile.seen[k], usize::from(near[cell][k]) + first));
+                    let seen = array(|k| group(&tile.seen[k], usize::from(near[cell][k]) + first));
                     put::<P, D, N, SLOPE>(found, e, &slot, hash, seen);
                     firsts[e] = first;
                     list[left % (GROUPS * BLOCK)] = at;
-                    left += usize::from(hash.iter().fold(false, |any, hash| any | (*hash as i32 > next)));
+                    let mut any = false;
+                    for i in 0..GROUP {
+                        any |= hash[i] as i32 > next;
+                    }
+                    left += usize::from(any);
                 }
                 self.add(found, some, &firsts);
             }
@@ -263,8 +267,9 @@ impl<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool> Ad
                 }
                 let (slot, cell) = (&process.slots[usize::from(at) / BLOCK], usize::from(at) % BLOCK);
                 let hash = tile.hashes[cell][run];
-                let place: [f32; D] = std::array::from_fn(|k| slot.place(hash, k));
-                let seen = tile.rows(&near[cell]).map(|seen| &seen[from..from + lanes]);
+                let place: [f32; D] = array(|k| slot.place(hash, k));
+                let rows = tile.rows(&near[cell]);
+                let seen: [&[f32]; D] = array(|k| &rows[k][from..from + lanes]);
                 let here = some * GROUP..some * GROUP + lanes;
                 let squares = &mut found.squares[here.clone()];
                 let offsets = found.offsets.each_mut().map(|offsets| &mut offsets[here.clone()]);
@@ -279,11 +284,13 @@ impl<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool> Ad
                     }
                     squares[i] = square;
                 }
-                found.words[here.clone()].fill(hash.wrapping_mul(slot.word));
-                let sizes = &mut found.sizes[here];
-                sizes.fill(slot.size(hash));
-                // Lanes after the run have other impulses.
-                sizes[to - from..].fill(0.0);
+                let (words, sizes) = (&mut found.words[here.clone()], &mut found.sizes[here]);
+                let (word, size) = (hash.wrapping_mul(slot.word), slot.size(hash));
+                for i in 0..lanes {
+                    words[i] = word;
+                    // Lanes after the run have other impulses.
+                    sizes[i] = if i < to - from { size } else { 0.0 };
+                }
                 for first in (from..to).step_by(GROUP) {
                     firsts[some % GROUPS] = first;
                     some += 1;
@@ -303,8 +310,9 @@ impl<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool> Ad
             let first = first % TILE;
             for n in 0..N {
                 let part = group(&parts[n], e * GROUP);
-                for (sum, part) in self.sums[n][first..first + GROUP].iter_mut().zip(part) {
-                    *sum += *part;
+                let sums = &mut self.sums[n][first..first + GROUP];
+                for i in 0..GROUP {
+                    sums[i] += part[i];
                 }
             }
         }
@@ -320,7 +328,7 @@ fn put<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool>(
     hash: &Group<u32>,
     seen: [&Group<f32>; D],
 ) {
-    let lanes = e * GROUP..(e + 1) * GROUP;
+    let first = e * GROUP;
     let (mut squares, mut sizes) = ([0.0; GROUP], [0.0; GROUP]);
     // Axis by axis, that the lanes of each are one vector.
     for k in 0..D {
@@ -332,16 +340,16 @@ fn put<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool>(
             squares[i] += offset[i] * offset[i];
         }
         if SLOPE || P::WAVES {
-            found.offsets[k][lanes.clone()].copy_from_slice(&offset);
+            *group_mut(&mut found.offsets[k], first) = offset;
         }
     }
     for i in 0..GROUP {
         sizes[i] = slot.size(hash[i]);
     }
-    found.squares[lanes.clone()].copy_from_slice(&squares);
-    found.sizes[lanes.clone()].copy_from_slice(&sizes);
+    *group_mut(&mut found.squares, first) = squares;
+    *group_mut(&mut found.sizes, first) = sizes;
     if P::WAVES {
-        found.words[lanes].copy_from_slice(&hash.map(|hash| hash.wrapping_mul(slot.word)));
+        *group_mut(&mut found.words, first) = array(|i| hash[i].wrapping_mul(slot.word));
     }
 }
 
@@ -349,4 +357,10 @@ fn put<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool>(
 #[inline(always)]
 fn group<T>(lanes: &[T], first: usize) -> &Group<T> {
     lanes[first..first + GROUP].try_into().expect("so many")
+}
+
+/// The same, to write to.
+#[inline(always)]
+fn group_mut<T>(lanes: &mut [T], first: usize) -> &mut Group<T> {
+    (&mut lanes[first..first + GROUP]).try_into().expect("so many")
 }

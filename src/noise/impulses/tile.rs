@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::{MOST, Near, Process, REACH, UNIT};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use crate::noise::field::{TILE, load};
 use crate::noise::hash;
 
@@ -76,7 +76,7 @@ impl<const D: usize> Tile<D> {
     /// The points as seen from a cell.
     #[inline(always)]
     pub(super) fn rows(&self, near: &Near<D>) -> [&[f32; ROW]; D] {
-        std::array::from_fn(|k| {
+        array(|k| {
             let seen = &self.seen[k][usize::from(near[k])..];
             seen[..ROW].try_into().expect("so many")
         })
@@ -191,7 +191,7 @@ impl<const D: usize> Kernel for LookUp<'_, D> {
         let sets = tile.sets().min(TILE);
         let mut more = [0; TILE];
         for (cell, near) in process.block(block).iter().enumerate() {
-            let keys: [&[u32; TILE]; D] = std::array::from_fn(|k| {
+            let keys: [&[u32; TILE]; D] = array(|k| {
                 let keys = &tile.keys[k][usize::from(near[k])..];
                 keys[..TILE].try_into().expect("so many")
             });

@@ -7,7 +7,7 @@ use super::kernels::cosine;
 use super::sum::Found;
 use super::tile::GROUP;
 use super::{SIZE, UNIT};
-use crate::lanes::{Isa, Kernel};
+use crate::lanes::{Isa, Kernel, array};
 use crate::noise::direction::{LENGTH, direction};
 use crate::noise::field::TILE;
 use crate::noise::hash;
@@ -44,14 +44,19 @@ impl<const D: usize> Kernel for Turn<'_, D> {
         match waves {
             Waves::Even(waves) | Waves::Along(waves) => {
                 for k in 0..D {
-                    here[k][..len].fill(waves[k]);
+                    for i in 0..len {
+                        here[k][i] = waves[k];
+                    }
                 }
             }
             Waves::Around(waves) if *alike => {
                 for first in (0..len).step_by(GROUP) {
                     let towards = around::<D>(hash::more(words[first]));
                     for k in 0..D {
-                        here[k][first..first + GROUP].fill(towards[k] * waves);
+                        let here: &mut [f32] = &mut here[k][first..first + GROUP];
+                        for i in 0..GROUP {
+                            here[i] = towards[k] * waves;
+                        }
                     }
                 }
             }
@@ -65,7 +70,9 @@ impl<const D: usize> Kernel for Turn<'_, D> {
             }
         }
         if let Waves::Even(_) = waves {
-            turns[..len].fill(0.0);
+            for i in 0..len {
+                turns[i] = 0.0;
+            }
         } else {
             for i in 0..len {
                 turns[i] = words[i] as i32 as f32 * UNIT;
@@ -87,8 +94,11 @@ fn around<const D: usize>(word: u32) -> [f32; D] {
         1 => [1.0; D],
         2 => {
             let angle = word as i32 as f32 * UNIT;
-            std::array::from_fn(|k| cosine(angle - 0.25 * k as f32).0)
+            array(|k| cosine(angle - 0.25 * k as f32).0)
         }
-        _ => direction::<D>(word).map(|x| x * (1.0 / LENGTH)),
+        _ => {
+            let direction = direction::<D>(word);
+            array(|k| direction[k] * (1.0 / LENGTH))
+        }
     }
 }

@@ -60,7 +60,10 @@ fn butterflies<const D: usize, const SIDE: usize, const COUNT: usize>(
     work: usize,
 ) {
     for axis in 0..D {
-        for low in (0..COUNT).filter(|n| (n / SIDE) >> axis & 1 == 0 && !lone(points, n % SIDE, axis)) {
+        for low in 0..COUNT {
+            if (low / SIDE) >> axis & 1 == 1 || lone(points, low % SIDE, axis) {
+                continue;
+            }
             let high = low + (SIDE << axis);
             for i in 0..work.min(TILE) {
                 let (a, b) = (v[low][i], v[high][i]);
@@ -112,12 +115,14 @@ impl<const D: usize, const SIDE: usize, const COUNT: usize> Solved<D, SIDE, COUN
     #[inline(always)]
     pub(super) fn solve(&self, v: &mut [[f32; TILE]; COUNT], work: usize) {
         butterflies::<D, SIDE, COUNT>(self.points, v, work);
-        for (v, inverse) in v.chunks_exact_mut(SIDE).zip(&self.inverse) {
+        for block in 0..SIDE {
+            let v = &mut v[block * SIDE..][..SIDE];
             let mut sums = [[0.0; TILE]; SIDE];
-            for (sum, row) in sums.iter_mut().zip(inverse) {
-                for (v, factor) in v.iter().zip(row) {
+            for row in 0..SIDE {
+                for k in 0..SIDE {
+                    let factor = self.inverse[block][row][k];
                     for i in 0..work.min(TILE) {
-                        sum[i] += v[i] * factor;
+                        sums[row][i] += v[k][i] * factor;
                     }
                 }
             }
