@@ -4,6 +4,15 @@ use super::{Face, Mesh};
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
+/// The most corners of a polygon whose ears are cut off one by one, which may take quadratic time.
+pub(crate) const MAX_EARS: u32 = 1000;
+
+/// A polygon of very many corners whose outline crosses itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    pub corners: u32,
+}
+
 /// Cuts faces into triangles; it keeps its buffers from one to the next.
 pub(crate) struct Cutter {
     earcut: Earcut<f64>,
@@ -20,11 +29,15 @@ impl Cutter {
     ///
     /// Quads and convex polygons become fans, which keep every corner, so that two faces that share an edge share
     /// those of their triangles too. A polygon that is not convex loses its ears one by one.
-    pub fn cut(&mut self, mesh: &Mesh, face: &Face, mut each: impl FnMut([u32; 3])) {
+    ///
+    /// # Errors
+    /// If it has more corners than [`MAX_EARS`], is not convex, and its outline crosses itself.
+    pub fn cut(&mut self, mesh: &Mesh, face: &Face, mut each: impl FnMut([u32; 3])) -> Result<(), Crossing> {
         let corners = mesh.corners_of(face);
         let count = corners.len() as u32;
         if count == 3 {
-            return each([0, 1, 2]);
+            each([0, 1, 2]);
+            return Ok(());
         }
         self.polygon.clear();
         self.polygon.extend(corners.iter().map(|c| DVec3::from(mesh.points[c.point as usize])));
@@ -44,13 +57,23 @@ impl Cutter {
         let starts = if count == 4 { 2 } else { 1 };
         for first in 0..starts {
             if (1..count - 1).all(|i| faces([first, (first + i) % count, (first + i + 1) % count])) {
-                return fan_from(first, &mut each);
+                fan_from(first, &mut each);
+                return Ok(());
             }
         }
-        let Some(normal) = normal.try_normalize() else { return fan_from(0, &mut each) };
+        let Some(normal) = normal.try_normalize() else {
+            fan_from(0, &mut each);
+            return Ok(());
+        };
         let (u, v) = normal.any_orthonormal_pair();
         let flatten = |p: &DVec3| [(p - polygon[0]).dot(u), (p - polygon[0]).dot(v)];
         let flat: Vec<[f64; 2]> = polygon.iter().map(flatten).collect();
+        if count > MAX_EARS {
+            let flat: Vec<DVec2> = flat.into_iter().map(DVec2::from).collect();
+            let triangles = super::cut_large::triangles(&flat).ok_or(Crossing { corners: count })?;
+            triangles.into_iter().for_each(each);
+            return Ok(());
+        }
         self.earcut.earcut(flat.iter().copied(), &[], &mut self.triangles);
         for &triangle in self.triangles.as_chunks::<3>().0 {
             let [a, b, c] = triangle.map(|i| DVec2::from(flat[i as usize]));
@@ -59,6 +82,7 @@ impl Cutter {
                 false => each(triangle),
             }
         }
+        Ok(())
     }
 }
 

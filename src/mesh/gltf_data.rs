@@ -213,7 +213,7 @@ fn entry<const N: usize>(bytes: &[u8], kind: DataType, normalized: bool) -> [f64
 }
 
 /// The file beside the one at `path` that a URI names.
-fn beside(uri: &str, path: &Path) -> Result<PathBuf, Wrong> {
+pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, Wrong> {
     let name = percent_decode_str(uri).decode_utf8().map_err(|_| format!("`{uri}` is no file's name"))?;
     let name = Path::new(&*name);
     let plain = |part| matches!(part, Component::Normal(_) | Component::CurDir);

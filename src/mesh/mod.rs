@@ -11,6 +11,7 @@
 //! - Numbers are `f64`: text files and PLY can hold more digits than an `f32` has, and a mesh far from the origin needs them.
 
 mod cut;
+mod cut_large;
 mod deform;
 mod format;
 mod gltf_data;
@@ -30,7 +31,7 @@ mod write_obj;
 mod write_ply;
 
 #[cfg(feature = "scene")]
-pub(crate) use cut::Cutter;
+pub(crate) use cut::{Crossing, Cutter, MAX_EARS};
 pub use deform::Deform;
 pub use format::Format;
 pub use gltf_data::companions;

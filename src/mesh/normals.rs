@@ -24,6 +24,9 @@ impl Mesh {
         // The groups of the corners, and where those of each place of the polygon end.
         let mut members: Vec<usize> = Vec::new();
         let mut ends: Vec<usize> = Vec::new();
+        // The last place at which each group was met.
+        let mut met = vec![0usize; groups];
+        let mut place_number = 0;
         for face in &self.faces {
             polygon.clear();
             members.clear();
@@ -39,10 +42,10 @@ impl Mesh {
                 if polygon.last() != Some(&place(i)) {
                     polygon.push(place(i));
                     ends.push(members.len());
+                    place_number += 1;
                 }
-                let start = ends.len().checked_sub(2).map_or(0, |before| ends[before]);
                 let number = group(face.first as usize + i);
-                if !members[start..].contains(&number) {
+                if std::mem::replace(&mut met[number], place_number) != place_number {
                     members.push(number);
                 }
                 if let Some(end) = ends.last_mut() {

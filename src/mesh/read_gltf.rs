@@ -1,12 +1,14 @@
 //! glTF 2.0, as one binary file or as JSON.
 
-use super::gltf_data::Buffers;
+use super::gltf_data::{Buffers, beside};
 use super::gltf_json::{Document, extension, index, indices, list, numbers, text};
 use super::read::{Source, Wrong, reserve};
 use super::{Corner, Face, Mesh};
+use crate::image::{Content, record};
 use glam::{DMat4, DQuat, DVec3};
 use serde_json::Value;
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
 /// Modes of primitives: what their indices make.
 const TRIANGLES: usize = 4;
@@ -20,6 +22,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
         false => (source.bytes, None),
     };
     let document = Document::parse(text)?;
+    protect_images(&document, source.path);
     let primitives = document.all("meshes").iter().flat_map(|mesh| list(mesh, "primitives"));
     let by_material = primitives.into_iter().any(|p| matches!(index(p, "material"), Ok(Some(_))));
     let mut reader = Reader {
@@ -57,6 +60,13 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
         source.notes.push("There is no mesh in its scene.".into());
     }
     Ok(reader.mesh)
+}
+
+/// Records the images of its materials. They are not read, but they are a part of the mesh that no output may replace.
+fn protect_images(document: &Document, path: &Path) {
+    let uris = document.all("images").iter().filter_map(|image| super::gltf_json::text(image, "uri"));
+    let files = uris.filter(|uri| !uri.starts_with("data:")).filter_map(|uri| beside(uri, path).ok());
+    files.for_each(|file| record(&file, Content::Data));
 }
 
 /// The nodes that the scene begins with; without a scene, all that are no child of another.

@@ -4,9 +4,12 @@
 //! must stay, for it is written again; and the format is a few kinds of lines.
 
 use super::read::{Source, Wrong};
-use super::text::{line_length, number as parse_number};
+use super::text::{line_length, no_number, number as parse_number};
 use super::{Corner, Face, Mesh};
+use crate::image::{Content, record};
 use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::Path;
 
 /// What `usemtl`, `o` and `g` said last, as indices into the names of each.
 type Names = [Option<usize>; 3];
@@ -50,10 +53,21 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
     if reader.small > 0 {
         source.notes.push(format!("{} faces with fewer than three corners were left out.", reader.small));
     }
+    protect(source.path, &reader.libraries);
     if reader.mesh.points.is_empty() {
         return Err("there is no vertex in it (no line that begins with v)".into());
     }
     Ok(reader.finish())
+}
+
+/// Records the libraries of materials. They are not read, but they are a part of the mesh that no output may replace. A
+/// statement may name several files, whose names may have blanks.
+fn protect(mesh: &Path, libraries: &[String]) {
+    let folder = mesh.parent().unwrap_or(Path::new(""));
+    let names = libraries
+        .iter()
+        .flat_map(|names| std::iter::once(names.as_str()).chain(names.split_ascii_whitespace()));
+    names.for_each(|name| record(&folder.join(name.replace('\\', "/")), Content::Data));
 }
 
 /// The next line, joined with those after it while it ends in a backslash; and the number of its last. A comment goes to the end
@@ -87,6 +101,8 @@ fn logical_line<'a>(bytes: &'a [u8], at: &mut usize, number: &mut usize) -> Cow<
 struct Reader {
     mesh: Mesh,
     names: [Vec<String>; 3],
+    /// The places of these names.
+    places: [HashMap<String, usize>; 3],
     now: Names,
     /// From which face on which names hold.
     runs: Vec<(usize, Names)>,
@@ -95,6 +111,8 @@ struct Reader {
     calls: usize,
     small: usize,
     colours: bool,
+    /// What the statements for libraries of materials name.
+    libraries: Vec<String>,
     /// Of the last face: how many corners it has, and whether its last one has a uv and a normal.
     shape: Option<Shape>,
 }
@@ -121,7 +139,8 @@ impl Reader {
             "l" | "p" => self.lines += 1,
             "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" | "res" => self.curves += 1,
             "call" => self.calls += 1,
-            // Comments, smoothing groups, libraries of materials, points and attributes of curves.
+            "mtllib" => self.libraries.push(rest.trim().to_string()),
+            // Comments, smoothing groups, points and attributes of curves.
             _ => {}
         }
         Ok(())
@@ -129,12 +148,15 @@ impl Reader {
 
     fn name(&mut self, kind: usize, rest: &str) {
         let name = rest.trim();
-        let names = &mut self.names[kind];
-        let known = names.iter().rposition(|n| n == name);
-        self.now[kind] = Some(known.unwrap_or_else(|| {
-            names.push(name.into());
-            names.len() - 1
-        }));
+        let (names, places) = (&mut self.names[kind], &mut self.places[kind]);
+        self.now[kind] = Some(match places.get(name) {
+            Some(&place) => place,
+            None => {
+                names.push(name.into());
+                places.insert(name.into(), names.len() - 1);
+                names.len() - 1
+            }
+        });
     }
 
     fn face(&mut self, rest: &str) -> Result<(), Wrong> {
@@ -186,7 +208,7 @@ impl Reader {
     fn finish(self) -> Mesh {
         let Reader { mut mesh, names, runs, .. } = self;
         let kind = (0..3).find(|&kind| runs.iter().any(|(_, names)| names[kind].is_some()));
-        let mut numbers: std::collections::HashMap<Option<usize>, u32> = Default::default();
+        let mut numbers: HashMap<Option<usize>, u32> = Default::default();
         for (i, (start, now)) in runs.iter().enumerate() {
             let name = kind.and_then(|kind| now[kind]);
             let surface = *numbers.entry(name).or_insert_with(|| {
@@ -218,7 +240,7 @@ fn numbers<const N: usize>(word: &str, rest: &str, least: usize) -> Result<[f64;
         };
         // A comment may follow without a blank; but 1.#INF is a number.
         let value = parse_number(part).or_else(|| parse_number(part.split_once('#')?.0));
-        *number = value.ok_or_else(|| format!("`{}` is no number", part.escape_debug()))?;
+        *number = value.ok_or_else(|| no_number(part))?;
     }
     Ok(numbers)
 }

@@ -5,7 +5,7 @@
 
 use super::ply_header::{Element, Encoding, Header, Kind, Property};
 use super::read::{Source, Wrong, reserve};
-use super::text::{line_length, number};
+use super::text::{line_length, no_number, number};
 use super::{Corner, Face, Mesh};
 use std::cmp::Ordering;
 
@@ -57,7 +57,15 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
         }
     }
     if builder.mesh.points.is_empty() {
-        return Err("there is no vertex in it".into());
+        let vertices = header.elements.iter().find(|e| e.name == "vertex" && e.count > 0);
+        let missing =
+            vertices.and_then(|e| ["x", "y", "z"].into_iter().find(|name| e.place(name, false).is_none()));
+        return Err(match missing {
+            Some(name) => {
+                format!("its vertices have no `{name}`: the header lacks the line `property float {name}`")
+            }
+            None => "there is no vertex in it".into(),
+        });
     }
     if let (count, Some(first)) = longer {
         source.notes.push(format!(
@@ -167,7 +175,10 @@ impl Data<'_> {
                 return Err("the file ends here".into());
             }
             let number = str::from_utf8(word).ok().and_then(number);
-            return number.ok_or_else(|| format!("`{}` is no number", word.escape_ascii()));
+            return number.ok_or_else(|| match str::from_utf8(word) {
+                Ok(word) => no_number(word),
+                Err(_) => format!("`{}` is no number", word.escape_ascii()),
+            });
         }
         let (bytes, rest) = self.rest.split_at_checked(kind.size()).ok_or("the file ends here")?;
         self.rest = rest;

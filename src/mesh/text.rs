@@ -68,6 +68,18 @@ pub(super) fn number(word: &str) -> Option<f64> {
     known.then_some(f64::NAN)
 }
 
+/// What is wrong with a word that is no number: a comma in the place of the point, perhaps.
+pub(super) fn no_number(word: &str) -> String {
+    let with_point = word.replace(',', ".");
+    match with_point != word && number(&with_point).is_some() {
+        true => format!(
+            "`{}` has a comma where numbers have a point: {with_point}. Save the file with decimal points",
+            word.escape_debug()
+        ),
+        false => format!("`{}` is no number", word.escape_debug()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

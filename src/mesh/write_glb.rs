@@ -2,9 +2,10 @@
 
 use super::Corner;
 use super::Mesh;
-use super::cut::Cutter;
+use super::cut::{Crossing, Cutter, MAX_EARS};
 use super::split::{Split, split};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 
 /// Numbers of the format: kinds of components, and what a piece of the data is for.
 const U32: u32 = 5125;
@@ -13,16 +14,21 @@ const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
 /// The mesh as bytes of a file, or why it cannot be one. Several surfaces become materials; faces become triangles.
-pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, &'static str> {
+pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, Cow<'static, str>> {
     let Split { vertices, of_corner } = split(mesh);
     let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.surfaces.len().max(1)];
     let mut cutter = Cutter::new();
     for face in &mesh.faces {
         let list = triangles.get_mut(face.surface as usize).ok_or("a face is of no surface")?;
-        cutter.cut(mesh, face, |t| list.extend(t.map(|i| of_corner[(face.first + i) as usize])));
+        let add = |t: [u32; 3]| list.extend(t.map(|i| of_corner[(face.first + i) as usize]));
+        cutter.cut(mesh, face, add).map_err(|Crossing { corners }| {
+            format!(
+                "a face of {corners} corners crosses itself, and no such face of more than {MAX_EARS} corners is cut into triangles"
+            )
+        })?;
     }
     if triangles.iter().all(Vec::is_empty) {
-        return Err("it would have no faces, and a .glb file must have some");
+        return Err("it would have no faces, and a .glb file must have some".into());
     }
 
     let mut data = Data { bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() };

@@ -58,6 +58,13 @@ pub enum SceneError {
     NoFaces,
     /// A mesh of more triangles than 32 bits can number.
     TooManyTriangles,
+    /// A face of very many corners whose outline crosses itself.
+    CrossingFace {
+        /// Which, counted from 1.
+        face: usize,
+        /// How many corners it has.
+        corners: u32,
+    },
     /// The scene needs the origin before the eye.
     OriginBehind,
     /// A text that should be a size or a point.
@@ -92,6 +99,9 @@ impl SceneError {
             EyeInside { what, .. } => format!("the eye is in the {what}"),
             NoFaces => "the mesh has no faces with an area, so there is nothing to be seen".into(),
             TooManyTriangles => "the mesh has more than 4 billion triangles".into(),
+            CrossingFace { face, corners } => {
+                format!("the outline of face {face}, of {corners} corners, crosses itself")
+            }
             OriginBehind => "the scene's card goes through the origin, which is not before the eye".into(),
             BadText { text, .. } if text.trim().is_empty() => "there is nothing to read".into(),
             BadText { text, .. } => format!("`{text}` cannot be read"),
@@ -116,6 +126,10 @@ impl SceneError {
             EyeInside { instead, .. } => format!("move it out, for example to {}", Point(*instead)),
             NoFaces => "give a mesh with polygons; points and lines alone are not shown".into(),
             TooManyTriangles => "give a coarser mesh".into(),
+            CrossingFace { .. } => format!(
+                "cut the face into smaller ones; one that crosses itself may have {} corners",
+                crate::mesh::MAX_EARS
+            ),
             OriginBehind => "look towards 0,0,0, or step back from it".into(),
             BadText { expected, .. } => format!("give {expected}"),
         }

@@ -7,7 +7,7 @@
 use super::error::SceneError;
 use super::ray::{Hit, Ray};
 use super::tree::Tree;
-use crate::mesh::{Cutter, Mesh};
+use crate::mesh::{Crossing, Cutter, Mesh};
 use glam::{DVec2, DVec3};
 
 /// A mesh whose middle is farther from the origin than so many times its radius gets an origin of its own. (Nearer ones lose
@@ -48,8 +48,8 @@ impl Model {
         let origin = if far { middle } else { DVec3::ZERO };
         let mut triangles = Vec::with_capacity(mesh.faces.len());
         let mut cutter = Cutter::new();
-        for face in &mesh.faces {
-            cutter.cut(&mesh, face, |t| {
+        for (number, face) in mesh.faces.iter().enumerate() {
+            let cut = cutter.cut(&mesh, face, |t| {
                 let corners = t.map(|i| face.first + i);
                 let points = corners
                     .map(|c| DVec3::from(mesh.points[mesh.corners[c as usize].point as usize]) - origin);
@@ -59,6 +59,7 @@ impl Model {
                     triangles.push(Triangle { points, corners, surface: face.surface });
                 }
             });
+            cut.map_err(|Crossing { corners }| SceneError::CrossingFace { face: number + 1, corners })?;
         }
         let mut bounds = None;
         for &p in triangles.iter().flat_map(|t: &Triangle| &t.points) {
@@ -66,6 +67,15 @@ impl Model {
             bounds = Some([low.min(p), high.max(p)]);
         }
         let Some([low, high]) = bounds else { return Err(SceneError::NoFaces) };
+        // Some triangles without an area do no harm; of these alone nothing is seen.
+        let is_line = |t: &Triangle| {
+            let [a, b, c] = t.points;
+            let longest = (b - a).length_squared().max((c - a).length_squared());
+            (b - a).cross(c - a).length() <= 1e-14 * longest
+        };
+        if triangles.iter().all(is_line) {
+            return Err(SceneError::NoFaces);
+        }
         let center = (low + high) / 2.0;
         // Not 0, whatever the mesh.
         let radius = ((high - low) / 2.0).length().max(f64::from(f32::MIN_POSITIVE));

@@ -327,3 +327,56 @@ fn pieces_of_glb_may_lack_their_filling() {
         "cannot read `a`: it is of version 1 of glTF; version 2 is known here"
     );
 }
+
+#[test]
+fn very_many_groups_and_corners() {
+    // The same face again and again, each time in a group of its own.
+    let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    (0..60_000).for_each(|i| text += &format!("g part{i}\nusemtl m{i}\nf 1 2 3\n"));
+    let mesh = of("obj", &text).unwrap();
+    assert_eq!((mesh.surfaces.len(), mesh.faces[59_999].surface), (60_000, 59_999));
+    let seen = super::picture(mesh, &super::view(8, 8, [0.25, 0.25, 5.0], [0.25, 0.25, 0.0], 5.0));
+    assert_eq!(super::at(&seen, "surface", 4, 4), [1.0]);
+    // A comb of 100,000 corners, whose teeth stand beside long edges.
+    let across: Vec<i32> = (0..50_000).collect();
+    let tooth = |x: &i32, below: i32| format!("v {x} {} 0\n", 10 * (x % 2) - below);
+    let mut text: String = across.iter().map(|x| tooth(x, 0)).collect();
+    text += &across.iter().rev().map(|x| tooth(x, 1)).collect::<String>();
+    text += &(1..=100_000).fold("f".to_string(), |face, i| face + &format!(" {i}"));
+    let model = pse::scene::Model::new(of("obj", &text).unwrap());
+    assert!(model.is_ok_and(|model| model.triangles() == 99_998));
+    // One that crosses itself has no inside, and is not cut in quadratic time.
+    let text: String =
+        (0..5000_i64).map(|i| format!("v {} {} 0\n", i * i % 4999, i * i * i % 4997)).collect();
+    let corners = (1..=5000).fold("f".to_string(), |face, i| face + &format!(" {i}"));
+    let error = pse::scene::Model::new(of("obj", text + &corners).unwrap()).err().unwrap();
+    assert_eq!(
+        error.to_string(),
+        "the outline of face 1, of 5000 corners, crosses itself; cut the face into smaller ones; one that crosses itself \
+         may have 1000 corners"
+    );
+}
+
+#[test]
+fn numbers_with_commas_and_headers_without_a_coordinate() {
+    let error = |ending: &str, text: &str| of(ending, text).unwrap_err();
+    let wrong = error("obj", "v 0,5 1,25 2\n");
+    assert!(
+        wrong.ends_with(
+            "line 1: `0,5` has a comma where numbers have a point: 0.5. Save the file with decimal points"
+        ),
+        "{wrong}"
+    );
+    let text = ply("ascii", &VERTICES.replace("property float y\n", ""), "0 0\n1 0\n0 1\n");
+    assert!(error("ply", &text).contains("its vertices have no `y`"), "{text}");
+    let text = ply("ascii", VERTICES, "0 0 0\n1,5 0 0\n0 1 0\n");
+    assert!(error("ply", &text).contains("`1,5` has a comma"), "{text}");
+}
+
+#[test]
+fn triangles_that_are_lines_show_nothing() {
+    let model = |text: &str| pse::scene::Model::new(of("obj", text).unwrap());
+    let line = "v 0 0 0\nv 0.1 0.3 0\nv 0.2 0.6 0\nv 0 1 0\nf 1 2 3\n";
+    assert!(model(line).is_err_and(|e| e.to_string().contains("no faces with an area")));
+    assert!(model(&format!("{line}f 1 2 4\n")).is_ok());
+}
