@@ -95,15 +95,37 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links lead from one to the next"))
 }
 
-/// Whether two outputs would be one file: equal names through links, relative paths and `..`, whether it exists or not.
-pub fn same_target(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| {
-        let end = end_of_links(path).unwrap_or_else(|_| path.to_path_buf());
-        let folder = end.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
-        folder.join(end.file_name().unwrap_or_default())
-    };
-    place(a) == place(b) || same_file(a, b)
+/// What identifies the file of an output.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct TargetKey(Key);
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Key {
+    /// Its place, through links, relative paths and `..`.
+    Place(PathBuf),
+    /// Its number in the file system, if it exists.
+    #[cfg(unix)]
+    Inode(u64, u64),
+}
+
+/// The keys of an output: two outputs that have one in common would be one file, whether it exists or not. Standard output is
+/// `-`.
+pub fn target_keys(path: &Path) -> Vec<TargetKey> {
+    if path.as_os_str() == "-" {
+        return vec![TargetKey(Key::Place(path.to_path_buf()))];
+    }
+    let end = end_of_links(path).unwrap_or_else(|_| path.to_path_buf());
+    let folder = end.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
+    let place = Key::Place(folder.join(end.file_name().unwrap_or_default()));
+    #[cfg(unix)]
+    let number = fs::metadata(path).ok().map(|about| {
+        use std::os::unix::fs::MetadataExt;
+        Key::Inode(about.dev(), about.ino())
+    });
+    #[cfg(not(unix))]
+    let number = fs::canonicalize(path).ok().map(Key::Place);
+    std::iter::once(place).chain(number).map(TargetKey).collect()
 }
 
 impl NewFile {
@@ -268,6 +290,11 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn same_target(a: &Path, b: &Path) -> bool {
+        let keys = target_keys(b);
+        target_keys(a).iter().any(|key| keys.contains(key))
+    }
 
     #[test]
     fn a_file_is_replaced_whole() {

@@ -8,43 +8,11 @@
 //! ambiguous, which is an error only for a program that reads it.
 
 use super::error::{ErrorKind, ImageError};
+use super::mapping::{self, Mapping};
 use super::names::{self, Family, Group};
 use crate::shape::Shape;
 use crate::spelling;
-use std::str::FromStr;
-
-/// `name=channels`, given by the user: the variable `name` is these channels, whatever the names say.
-///
-/// The right side is a group of channels (`ViewLayer.Position`), a single channel
-/// (`ViewLayer.IndexOB.X`), or several channels with commas (`A.R,A.G`). The end of a name is enough
-/// where only one name ends so, and case counts only where it has to.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mapping {
-    /// The variable.
-    pub name: String,
-    /// The channels, as written.
-    pub channels: String,
-}
-
-impl FromStr for Mapping {
-    type Err = ImageError;
-
-    fn from_str(text: &str) -> Result<Mapping, ImageError> {
-        let wrong = |why: &str| {
-            Err(ImageError::new(ErrorKind::Mapping, format!("`{text}` is no mapping: {why}"))
-                .hint("Write it as --map point=ViewLayer.Position."))
-        };
-        let Some((name, channels)) = text.split_once('=') else { return wrong("it has no `=`") };
-        let (name, channels) = (name.trim(), channels.trim());
-        if channels.is_empty() {
-            return wrong("no channels stand after the `=`");
-        }
-        if name.is_empty() || names::identifier(name) != name {
-            return wrong("what stands before the `=` is no variable name");
-        }
-        Ok(Mapping { name: name.into(), channels: channels.into() })
-    }
-}
+use std::collections::{HashMap, HashSet};
 
 /// The channels that a variable is read from.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +28,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    fn plain(group: String, channels: Vec<usize>) -> Candidate {
+    pub(super) fn plain(group: String, channels: Vec<usize>) -> Candidate {
         let shape = match channels.len() {
             1 => Shape::Scalar,
             n => Shape::Vector(n as u32),
@@ -103,6 +71,8 @@ pub(crate) struct Bound {
     pub bindings: Vec<Binding>,
     /// Those that are in the file, but not read.
     pub unread: Vec<Binding>,
+    /// What the user should know of the mappings.
+    pub notes: Vec<String>,
 }
 
 /// A variable that a file offers.
@@ -126,13 +96,13 @@ const BY_PART: usize = 500;
 const OWN: usize = 1_000_000;
 
 /// A group of channels of one view.
-struct Viewed {
+pub(super) struct Viewed {
     /// Its channels are those of the file.
-    group: Group,
-    /// Its name as `--map` takes it, with the view.
-    shown: String,
-    /// Names by which it can be called too.
-    others: Vec<String>,
+    pub group: Group,
+    /// As `--map` takes it, and nothing else by it: a name, or its channels.
+    pub shown: String,
+    /// Names by which it can be called, which others may have too.
+    pub names: Vec<String>,
     view: Option<String>,
     /// Its part, if its channels have no layer but the part's name.
     layerless: Option<usize>,
@@ -147,44 +117,90 @@ struct Offer {
     group: usize,
 }
 
-/// The groups of all views, the hero's first.
-fn viewed(channels: &[ChannelName]) -> Vec<Viewed> {
-    let mut views: Vec<&Option<String>> = vec![&None];
-    for channel in channels {
-        if !views.contains(&&channel.view) {
-            views.push(&channel.view);
+/// The channels of a file by the names that `--map` takes.
+pub(super) struct Channels<'c> {
+    pub list: &'c [ChannelName],
+    /// The channels that each name stands for.
+    by_name: HashMap<String, Vec<usize>>,
+}
+
+impl<'c> Channels<'c> {
+    fn new(list: &'c [ChannelName]) -> Channels<'c> {
+        let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+        for (index, channel) in list.iter().enumerate() {
+            for name in names_of(channel) {
+                by_name.entry(name).or_default().push(index);
+            }
         }
+        Channels { list, by_name }
+    }
+
+    /// A name that stands for this channel alone, if it has one.
+    pub fn argument(&self, channel: usize) -> &str {
+        let names = names_of(&self.list[channel]);
+        let single = names.iter().filter_map(|name| self.by_name.get_key_value(name));
+        let single = single.filter(|(_, channels)| channels.len() == 1).map(|(name, _)| name.as_str()).next();
+        single.unwrap_or(&self.list[channel].full)
+    }
+}
+
+/// A channel's full name, and the one that it has beside its view.
+pub(super) fn names_of(channel: &ChannelName) -> Vec<String> {
+    let beside = with_view(channel);
+    let other = (beside != channel.full).then_some(beside);
+    std::iter::once(channel.full.clone()).chain(other).collect()
+}
+
+/// The groups of all views, the hero's first.
+fn viewed(channels: &Channels<'_>) -> Vec<Viewed> {
+    let Channels { list: all, .. } = channels;
+    let mut views: Vec<(&Option<String>, Vec<usize>)> = vec![(&None, Vec::new())];
+    let mut places: HashMap<&Option<String>, usize> = HashMap::from([(&None, 0)]);
+    for (index, channel) in all.iter().enumerate() {
+        let place = *places.entry(&channel.view).or_insert_with(|| {
+            views.push((&channel.view, Vec::new()));
+            views.len() - 1
+        });
+        views[place].1.push(index);
     }
     let mut list = Vec::new();
-    for view in views {
-        let places: Vec<usize> = (0..channels.len()).filter(|&c| channels[c].view == *view).collect();
-        let names: Vec<String> = places.iter().map(|&c| channels[c].short.clone()).collect();
+    for (view, places) in views {
+        let names: Vec<String> = places.iter().map(|&c| all[c].short.clone()).collect();
         for mut group in names::groups(&names) {
             group.channels.iter_mut().for_each(|c| *c = places[*c]);
-            let first = &channels[group.channels[0]];
-            let same = |c: &&usize| channels[**c].layerless && channels[**c].part == first.part;
+            let first = &all[group.channels[0]];
+            let same = |c: &&usize| all[**c].layerless && all[**c].part == first.part;
             let layerless = group.channels.iter().all(|c| same(&c)).then_some(first.part);
+            let own = match (view, group.path.is_empty()) {
+                (None, true) => None,
+                (None, false) => Some(group.path.clone()),
+                (Some(view), true) => Some(view.clone()),
+                (Some(view), false) => Some(format!("{view}.{}", group.path)),
+            };
             // The name that the channels have in the file without their last field.
             let stored = first.full.rsplit_once('.').map(|(layer, _)| layer.to_string());
-            let (shown, short) = match (view, group.path.is_empty()) {
-                (None, false) => (group.path.clone(), None),
-                (None, true) => {
-                    let names = group.channels.iter().map(|&c| channels[c].full.as_str());
-                    (names.collect::<Vec<_>>().join(","), None)
-                }
-                (Some(view), true) => (view.clone(), None),
-                (Some(view), false) => (format!("{view}.{}", group.path), None),
-            };
-            let others = stored.into_iter().chain(short).filter(|name: &String| *name != shown).collect();
-            list.push(Viewed { group, shown, others, view: view.clone(), layerless });
+            let stored = stored.filter(|name| own.as_ref() != Some(name));
+            let names = own.into_iter().chain(stored).collect();
+            list.push(Viewed { group, shown: String::new(), names, view: view.clone(), layerless });
         }
+    }
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    list.iter().flat_map(|v| &v.names).for_each(|name| *counts.entry(name.clone()).or_default() += 1);
+    for viewed in &mut list {
+        let single = viewed.names.iter().find(|name| counts[*name] == 1 && !name.contains(','));
+        let channels = || {
+            let names = viewed.group.channels.iter().map(|&c| channels.argument(c));
+            names.collect::<Vec<_>>().join(",")
+        };
+        viewed.shown = single.cloned().unwrap_or_else(channels);
     }
     list
 }
 
 /// What a group may be, with the names that variables have in its view.
-fn offers(index: usize, viewed: &Viewed, channels: &[ChannelName], list: &mut Vec<Offer>) {
+fn offers(index: usize, viewed: &Viewed, channels: &Channels<'_>, list: &mut Vec<Offer>) {
     let Viewed { group, shown, view, layerless, .. } = viewed;
+    let Channels { list: all, .. } = channels;
     let depth = match group.path.split('.').next() {
         Some(first) if first.eq_ignore_ascii_case("composite") => 2,
         _ => usize::from(group.path.contains('.')),
@@ -217,15 +233,14 @@ fn offers(index: usize, viewed: &Viewed, channels: &[ChannelName], list: &mut Ve
     if group.path.is_empty() {
         // The beauty's channels, which have no group name, can be read one by one.
         for &channel in &group.channels {
-            let ChannelName { full, short, .. } = &channels[channel];
-            let own = names::identifier(short);
-            offer(&own, OWN, Candidate::plain(full.clone(), vec![channel]));
+            let own = names::identifier(&all[channel].short);
+            offer(&own, OWN, Candidate::plain(channels.argument(channel).to_string(), vec![channel]));
         }
     }
 }
 
 /// Can all channels of it be read?
-fn is_read(candidate: &Candidate, channels: &[ChannelName]) -> bool {
+pub(super) fn is_read(candidate: &Candidate, channels: &[ChannelName]) -> bool {
     let first = candidate.channels.first().map(|&c| channels[c].part);
     candidate.channels.iter().enumerate().all(|(i, &c)| {
         // Chroma is interpolated where it is subsampled; it lies where the luminance does.
@@ -236,16 +251,19 @@ fn is_read(candidate: &Candidate, channels: &[ChannelName]) -> bool {
 
 /// The variables of a file with such channels, after the user's mappings.
 pub(crate) fn bind(file: &str, channels: &[ChannelName], maps: &[Mapping]) -> Result<Bound, ImageError> {
-    let groups = viewed(channels);
+    let named = Channels::new(channels);
+    let groups = viewed(&named);
     let mut list = Vec::new();
     for (index, viewed) in groups.iter().enumerate() {
-        offers(index, viewed, channels, &mut list);
+        offers(index, viewed, &named, &mut list);
     }
     // Keep the best offers for each name. What cannot be read is no worse for it: another group in its place would be
     // something else than the file says.
     let mut best: Vec<(Binding, Rank, usize)> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
     for Offer { name, rank, candidate, group } in list {
-        match best.iter_mut().find(|(b, _, _)| b.name == name) {
+        let place = *places.entry(name.clone()).or_insert(best.len());
+        match best.get_mut(place) {
             None => best.push((Binding { name, alias: false, candidates: vec![candidate] }, rank, group)),
             Some((binding, least, at)) if rank < *least => {
                 binding.candidates = vec![candidate];
@@ -257,8 +275,8 @@ pub(crate) fn bind(file: &str, channels: &[ChannelName], maps: &[Mapping]) -> Re
             Some(_) => {}
         }
     }
-    let canonical: Vec<usize> = best.iter().filter(|(_, r, _)| r.0 < OWN).map(|(_, _, i)| *i).collect();
-    let mut bound = Bound { bindings: Vec::new(), unread: Vec::new() };
+    let canonical: HashSet<usize> = best.iter().filter(|(_, r, _)| r.0 < OWN).map(|(_, _, i)| *i).collect();
+    let mut bound = Bound { bindings: Vec::new(), unread: Vec::new(), notes: Vec::new() };
     for (mut binding, rank, group) in best {
         binding.alias = rank.0 == OWN && canonical.contains(&group);
         let (read, unread): (Vec<_>, Vec<_>) =
@@ -269,96 +287,9 @@ pub(crate) fn bind(file: &str, channels: &[ChannelName], maps: &[Mapping]) -> Re
         }
     }
     for map in maps {
-        apply(map, file, channels, &groups, &mut bound.bindings)?;
+        mapping::apply(map, file, &named, &groups, &mut bound)?;
     }
     Ok(bound)
-}
-
-/// Sets a variable to a candidate, whatever it was.
-fn put(bindings: &mut Vec<Binding>, name: &str, candidate: Candidate) {
-    let binding = Binding { name: name.to_string(), alias: false, candidates: vec![candidate] };
-    match bindings.iter_mut().find(|b| b.name == name) {
-        Some(old) => *old = binding,
-        None => bindings.push(binding),
-    }
-}
-
-fn apply(
-    map: &Mapping,
-    file: &str,
-    channels: &[ChannelName],
-    groups: &[Viewed],
-    bindings: &mut Vec<Binding>,
-) -> Result<(), ImageError> {
-    let checked = |candidate: Candidate| match is_read(&candidate, channels) {
-        true => Ok(candidate),
-        false => Err(unread(map, &candidate, file, channels)),
-    };
-    // A channel by its full name, or by the one that it has beside its view.
-    let one = |wanted: &str| {
-        let names = |c: &ChannelName| [Some(c.full.clone()), Some(with_view(c)).filter(|n| *n != c.full)];
-        let list = channels
-            .iter()
-            .enumerate()
-            .flat_map(|(i, c)| names(c).into_iter().flatten().map(move |n| (i, n)));
-        pick(wanted, &list.collect::<Vec<_>>())
-    };
-    if map.channels.contains(',') {
-        let picked = map.channels.split(',').map(|part| match one(part.trim()).as_slice() {
-            [one] => Ok(*one),
-            found => Err(unmapped(map, part.trim(), found, file, channels, groups)),
-        });
-        let from = picked.collect::<Result<Vec<usize>, _>>()?;
-        let shape = Shape::Vector(from.len() as u32);
-        let candidate = Candidate { shape, ..Candidate::plain(map.channels.clone(), from) };
-        put(bindings, &map.name, checked(candidate)?);
-        return Ok(());
-    }
-    let named = groups.iter().enumerate().flat_map(|(i, g)| {
-        let own = Some(&g.shown).filter(|_| !g.group.path.is_empty() || g.view.is_some());
-        own.into_iter().chain(&g.others).map(move |name| (i, name.clone()))
-    });
-    match pick(&map.channels, &named.collect::<Vec<_>>()).as_slice() {
-        [] => {}
-        [one] => {
-            let Viewed { group, shown, .. } = &groups[*one];
-            let converted = group.family == Family::LuminanceChroma;
-            let all = if converted { 3 } else { group.channels.len() };
-            // A known variable takes as many components as it has: a point three, an id one.
-            let wanted = match map.name.as_str() {
-                "point" | "normal" | "color" | "albedo" => 3,
-                "uv" => 2,
-                "surface" | "depth" | "alpha" => 1,
-                _ => all,
-            };
-            let whole = wanted >= all || converted;
-            let from = group.channels.iter().copied().take(if whole { all } else { wanted }).collect();
-            let mut candidate = Candidate::plain(shown.clone(), from);
-            if whole {
-                candidate.shape = group.shape.clone();
-                candidate.luminance_chroma = converted;
-            }
-            if map.name == "color"
-                && let Some(a) = group.letters.find('a')
-            {
-                put(bindings, "alpha", checked(Candidate::plain(shown.clone(), vec![group.channels[a]]))?);
-            }
-            put(bindings, &map.name, checked(candidate)?);
-            return Ok(());
-        }
-        several => {
-            let found: Vec<String> = several.iter().map(|&g| groups[g].shown.clone()).collect();
-            return Err(several_match(map, &map.channels, &found, file));
-        }
-    }
-    match one(&map.channels).as_slice() {
-        [one] => {
-            let candidate = Candidate::plain(channels[*one].full.clone(), vec![*one]);
-            put(bindings, &map.name, checked(candidate)?);
-            Ok(())
-        }
-        found => Err(unmapped(map, &map.channels, found, file, channels, groups)),
-    }
 }
 
 /// A channel's short name behind its view.
@@ -369,69 +300,8 @@ fn with_view(channel: &ChannelName) -> String {
     }
 }
 
-/// The error of a mapping to channels that are not read.
-fn unread(map: &Mapping, candidate: &Candidate, file: &str, channels: &[ChannelName]) -> ImageError {
-    let bad = candidate.channels.iter().map(|&c| &channels[c]).find(|c| c.unread || c.subsampled);
-    let name = bad.map_or("", |c| c.full.as_str());
-    let message = format!("--map {}={}: `{name}` of `{file}` is not read", map.name, map.channels);
-    ImageError::new(ErrorKind::Mapping, message).hint(match bad.is_some_and(|c| c.unread) {
-        true => "The part that holds it is not read: see `pse info`.",
-        false => "It is subsampled: convert it to full resolution first.",
-    })
-}
-
-/// What `wanted` means of things and their names: the name itself, else in another case, else as the end of a name.
-fn pick(wanted: &str, names: &[(usize, String)]) -> Vec<usize> {
-    let lower = wanted.to_lowercase();
-    let tail = format!(".{lower}");
-    let tests: [&dyn Fn(&str) -> bool; 4] =
-        [&|n| n == wanted, &|n| n.to_lowercase() == lower, &|n| n.ends_with(&format!(".{wanted}")), &|n| {
-            n.to_lowercase().ends_with(&tail)
-        }];
-    for test in tests {
-        let mut found: Vec<usize> =
-            names.iter().filter(|(_, name)| test(name)).map(|(thing, _)| *thing).collect();
-        found.dedup();
-        if !found.is_empty() {
-            return found;
-        }
-    }
-    Vec::new()
-}
-
-fn several_match(map: &Mapping, wanted: &str, found: &[String], file: &str) -> ImageError {
-    let message =
-        format!("`{wanted}` in --map {}={} fits several channels of `{file}`", map.name, map.channels);
-    let mut error = ImageError::new(ErrorKind::Mapping, message);
-    for name in found {
-        error = error.hint(format!("This one: --map {}", argument(&map.name, name)));
-    }
-    error
-}
-
-fn unmapped(
-    map: &Mapping,
-    wanted: &str,
-    found: &[usize],
-    file: &str,
-    channels: &[ChannelName],
-    groups: &[Viewed],
-) -> ImageError {
-    if !found.is_empty() {
-        let found: Vec<String> = found.iter().map(|&c| channels[c].full.clone()).collect();
-        return several_match(map, wanted, &found, file);
-    }
-    let message = format!("--map {}={}: `{file}` has no channels `{wanted}`", map.name, map.channels);
-    let mut error = ImageError::new(ErrorKind::Mapping, message);
-    let shown = || groups.iter().map(|g| g.shown.as_str());
-    if let Some(near) = nearest(wanted, shown()) {
-        error = error.hint(format!("Did you mean --map {}?", argument(&map.name, near)));
-    }
-    error.hint(format!("It has {}.", list(shown())))
-}
-
 /// `name=group`, quoted where the shell would want it.
-fn argument(name: &str, group: &str) -> String {
+pub(super) fn argument(name: &str, group: &str) -> String {
     match group.chars().all(|c| c.is_ascii_alphanumeric() || "._-,:".contains(c)) {
         true => format!("{name}={group}"),
         false => format!("'{name}={group}'"),
@@ -439,7 +309,7 @@ fn argument(name: &str, group: &str) -> String {
 }
 
 /// Names in a row, in quotes; a very long row is cut.
-fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(super) fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     let mut text: Vec<String> = names.iter().take(40).map(|n| format!("`{n}`")).collect();
     if names.len() > 40 {
@@ -449,7 +319,7 @@ fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// The name that `wanted` may be a slip or the beginning of, compared whole and by its last field.
-fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
+pub(super) fn nearest<'a>(wanted: &str, names: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
     let fields = || names.clone().map(|name| (names::last_field(name), name));
     let whole = spelling::nearest(wanted, names.clone());
     let field = || spelling::nearest(wanted, fields().map(|(field, _)| field));

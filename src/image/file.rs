@@ -1,8 +1,9 @@
 //! A file that can be read: its header first, then the variables that are asked for.
 
 use super::Raster;
-use super::bind::{self, Binding, Bound, Candidate, ChannelName, Mapping};
+use super::bind::{self, Binding, Bound, Candidate, ChannelName};
 use super::error::{ErrorKind, ImageError};
+use super::mapping::Mapping;
 use super::read_exr::{self, Exr};
 use super::source::{Input, Stamp};
 use super::{Image, Metadata};
@@ -65,6 +66,8 @@ pub struct File {
     bindings: Vec<Binding>,
     /// Variables whose channels are not read.
     unread: Vec<Binding>,
+    /// What the user should know of the mappings.
+    notes: Vec<String>,
     metadata: Metadata,
     size: [usize; 2],
     /// The file as it was when its header was read.
@@ -105,8 +108,8 @@ pub fn read(input: Input, options: &ReadOptions) -> Result<File, ImageError> {
         Source::Exr(exr) => exr.names().into(),
         Source::Raster(_) => channels.iter().map(|c| ChannelName::plain(&c.name)).collect(),
     };
-    let Bound { bindings, unread } = bind::bind(&name, &names, &options.maps)?;
-    Ok(File { input, source, channels, bindings, unread, metadata, size, stamp })
+    let Bound { bindings, unread, notes } = bind::bind(&name, &names, &options.maps)?;
+    Ok(File { input, source, channels, bindings, unread, notes, metadata, size, stamp })
 }
 
 impl File {
@@ -143,6 +146,11 @@ impl File {
     /// All channels, in the file's order.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
+    }
+
+    /// What a user should know of the mappings, each without a full stop.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// All variables, second names (marked as alias) included.

@@ -35,6 +35,8 @@ mod jpeg;
 #[cfg(feature = "raster")]
 mod layout;
 #[cfg_attr(not(feature = "exr"), allow(dead_code, reason = "most of it is about files"))]
+mod mapping;
+#[cfg_attr(not(feature = "exr"), allow(dead_code, reason = "most of it is about files"))]
 mod names;
 #[cfg(not(feature = "exr"))]
 mod no_files;
@@ -86,9 +88,9 @@ mod tests;
 #[cfg(feature = "exr")]
 pub(crate) use atomic::temporary_folder;
 #[cfg(feature = "exr")]
-pub use atomic::{NewFile, check_target, same_file, same_target, write_file, write_program};
+pub use atomic::{NewFile, TargetKey, check_target, same_file, target_keys, write_file, write_program};
 pub use attributes::Attributes;
-pub use bind::{Binding, Candidate, Mapping};
+pub use bind::{Binding, Candidate};
 pub use error::{ErrorKind, ImageError};
 #[cfg(feature = "exr")]
 pub use file::{Channel, File, ReadOptions, Samples, read};
@@ -96,6 +98,7 @@ pub use file::{Channel, File, ReadOptions, Samples, read};
 pub use frame_number::frame_number;
 #[cfg(feature = "exr")]
 pub use info::{ChannelInfo, Info, PartInfo, info};
+pub use mapping::Mapping;
 #[cfg(not(feature = "exr"))]
 pub use no_files::{File, Input, ReadOptions, Rows, read};
 #[cfg(feature = "exr")]

@@ -6,6 +6,7 @@
 //! natural order. A group is known by its last field alone, in any case and with any prefix.
 
 use crate::shape::Shape;
+use std::collections::HashMap;
 
 /// How a group's components are named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,8 +153,10 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
         let Some(rank) = spellings.iter().position(|s| *s == tail) else { continue };
         // Spelt exactly as ours, with no alpha mixed in, it is as long as it is: our own files come back.
         let ours = at_root && group.own == name && plain && !group.letters.contains('a');
+        // We write vectors as x y z; red, green and blue of what is one number are the same number three times.
+        let thrice = group.family == Family::Rgb && matches!(name, "surface" | "depth" | "alpha");
         let used = match name {
-            _ if ours && !matches!(name, "color" | "uv") => Some(first(count)),
+            _ if ours && !thrice && !matches!(name, "color" | "uv") => Some(first(count)),
             // The root's channels are colour only if they are R G B; a lone `Y` is luminance.
             "color" if tail.is_empty() && !matches!(group.family, Family::Rgb | Family::LuminanceChroma) => {
                 None
@@ -170,10 +173,12 @@ pub(crate) fn canonical(group: &Group) -> Vec<(&'static str, usize, Vec<usize>)>
             "uv" => (count >= 2 && plain).then(|| first(2)),
             "motion" => (count >= 2 && plain).then(|| first(count)),
             // The A of a layer that is not the beauty says nothing of the whole pixel.
-            "alpha" if tail == "a" && (!at_root || group.path == "a") => None,
-            "alpha" => (count == 1).then(|| first(1)),
+            "alpha" if tail == "a" && !at_root => None,
+            "alpha" => (count == 1 || thrice).then(|| first(1)),
             _ => plain.then(|| first(1)),
         };
+        // A small `a` may be any program's own variable: `A` comes before it.
+        let rank = if group.path == "a" { spellings.len() } else { rank };
         if let Some(used) = used {
             found.push((name, rank, used));
         }
@@ -211,31 +216,43 @@ pub(crate) fn groups(names: &[String]) -> Vec<Group> {
     luminance_chroma(names, &mut taken, &mut groups);
     // Gather by layer, noting each channel's component.
     let mut layers: Vec<(String, Vec<(Component, usize)>)> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
     // At the root a small letter is a program's own name, as `a` and `y` are, but where r g b make a colour.
     let small_color = ["r", "g", "b"].iter().all(|c| names.iter().any(|n| n == c));
     for (index, name) in names.iter().enumerate().filter(|(i, _)| !taken[*i]) {
         let own = name.len() == 1 && name.starts_with(|c: char| c.is_ascii_lowercase()) && !small_color;
         let (layer, component) = if own { (name.clone(), Component::Other) } else { split(name) };
-        match layers.iter_mut().find(|(l, _)| *l == layer) {
-            Some((_, members)) => members.push((component, index)),
-            None => layers.push((layer, vec![(component, index)])),
-        }
+        let place = *places.entry(layer).or_insert_with_key(|layer| {
+            layers.push((layer.clone(), Vec::new()));
+            layers.len() - 1
+        });
+        layers[place].1.push((component, index));
     }
     for (layer, members) in layers {
         groups_of_layer(&layer, members, names, &mut groups);
     }
     by_last_letter(names, &mut groups);
+    // Beside `b` or `x` a small `a` is a program's own variable, alone it is alpha.
+    let is_own =
+        |name: &String| name.len() == 1 && name.starts_with(|c: char| c.is_ascii_lowercase() && c != 'a');
+    if !small_color && names.iter().any(is_own) {
+        groups.iter_mut().filter(|g| g.path == "a").for_each(|g| g.sibling = true);
+    }
     groups.sort_by_key(|g: &Group| g.channels.iter().copied().min());
     groups
 }
 
 /// Finds layers with `Y`, `RY` and `BY`, which OpenEXR's colours of luminance and chroma are called.
 fn luminance_chroma(names: &[String], taken: &mut [bool], groups: &mut Vec<Group>) {
+    let mut places: HashMap<&str, usize> = HashMap::new();
+    for (index, name) in names.iter().enumerate() {
+        places.entry(name).or_insert(index);
+    }
     for (index, name) in names.iter().enumerate() {
         let Some(prefix) = name.strip_suffix("RY").filter(|p| p.is_empty() || p.ends_with('.')) else {
             continue;
         };
-        let place = |letters: &str| names.iter().position(|n| n.strip_prefix(prefix) == Some(letters));
+        let place = |letters: &str| places.get(format!("{prefix}{letters}").as_str()).copied();
         let (Some(y), Some(by)) = (place("Y"), place("BY")) else { continue };
         let mut channels = vec![y, index, by];
         channels.extend(place("A"));
@@ -253,6 +270,7 @@ fn luminance_chroma(names: &[String], taken: &mut [bool], groups: &mut Vec<Group
 /// is a known vector's name, they are one; in any case none of them is all there is of something.
 fn by_last_letter(names: &[String], groups: &mut Vec<Group>) {
     let mut stems: Vec<(String, Vec<(char, usize)>)> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
     for (index, name) in names.iter().enumerate() {
         let Some(letter) = name.chars().next_back().filter(|c| "xyzwXYZW".contains(*c)) else { continue };
         // `P.x` is gathered already; of letters alone at the root, small ones are not.
@@ -262,16 +280,19 @@ fn by_last_letter(names: &[String], groups: &mut Vec<Group>) {
         }
         // Capitals and small letters do not mix.
         let stem = format!("{stem}{}", if letter.is_ascii_uppercase() { 'X' } else { 'x' });
-        match stems.iter_mut().find(|(s, _)| *s == stem) {
-            Some((_, letters)) => letters.push((letter.to_ascii_lowercase(), index)),
-            None => stems.push((stem, vec![(letter.to_ascii_lowercase(), index)])),
-        }
+        let place = *places.entry(stem).or_insert_with_key(|stem| {
+            stems.push((stem.clone(), Vec::new()));
+            stems.len() - 1
+        });
+        stems[place].1.push((letter.to_ascii_lowercase(), index));
     }
+    // The group of each channel that is one by itself.
+    let singles = groups.iter().enumerate().filter(|(_, g)| g.family == Family::Single);
+    let singles: HashMap<usize, usize> = singles.map(|(place, g)| (g.channels[0], place)).collect();
     for (stem, mut letters) in stems.into_iter().filter(|(_, letters)| letters.len() > 1) {
-        let single = |g: &&mut Group| {
-            g.family == Family::Single && letters.iter().any(|(_, index)| g.channels == [*index])
-        };
-        groups.iter_mut().filter(single).for_each(|g| g.sibling = true);
+        for group in letters.iter().filter_map(|(_, index)| singles.get(index)) {
+            groups[*group].sibling = true;
+        }
         let stem = stem[..stem.len() - 1].trim_end_matches(['_', '-', ':', ' ']);
         let known = |(_, spellings): &(&str, &[&str])| spellings.contains(&key(last_field(stem)).as_str());
         let is_vector =

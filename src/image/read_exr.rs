@@ -16,6 +16,7 @@ use super::{Attributes, Metadata, guard, sampled_blocks};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Chromaticities, SampleType};
 use exr::meta::header::Header;
+use std::collections::BTreeMap;
 use std::io::Read;
 
 /// The header of an EXR file, checked.
@@ -144,24 +145,23 @@ impl Exr {
         let origin = [left - i64::from(display.position.x()), top - i64::from(display.position.y())];
         let size = [display.size.width(), display.size.height()];
         let same = origin == [0, 0] && size == [width, height];
-        let mut list: Vec<(String, AttributeValue)> = Vec::new();
+        // Of parts that differ, the first counts.
+        let mut named: BTreeMap<String, AttributeValue> = BTreeMap::new();
         for header in self.headers() {
             for (name, value) in header.all_named_attributes() {
                 let name = header_exr::text(name);
-                let known = list.iter().any(|(n, _)| *n == name);
-                if !known && !STRUCTURE.contains(&name.as_str()) {
-                    list.push((name, value));
+                if !STRUCTURE.contains(&name.as_str()) {
+                    named.entry(name).or_insert(value);
                 }
             }
         }
-        list.sort_by(|a, b| a.0.cmp(&b.0));
         Metadata {
             // Windows lie within 2^30 of the origin, as the header's check demands.
             origin: origin.map(|v| v as i32),
             resolution: (!same && size[0] > 0 && size[1] > 0).then_some(size),
             display_origin: [display.position.x(), display.position.y()],
             pixel_aspect: first.shared_attributes.pixel_aspect,
-            attributes: Attributes { list },
+            attributes: Attributes { list: named.into_iter().collect() },
         }
     }
 }

@@ -108,9 +108,22 @@ fn filled(text: &str, frame: i64) -> String {
 /// The frame's number that a file's name ends with: `clean.0003.exr`, `clean_3.exr`, `render0003.exr`, `0003.exr`.
 ///
 /// Digits count after `.`, `_` or `-` (after `.` and `_` also with a minus sign), alone, and after letters if there are
-/// four and the first is 0. Versions (`v002`) and sizes (`640x480`) do not.
+/// four and the first is 0. Versions (`v002`) and sizes (`640x480`) do not. Words may follow a number of three digits or more
+/// with a point before or behind it: `f.0001.left.exr`, `f.0010_beauty.exr`.
 pub fn number_in_name(path: &Path) -> Option<i64> {
     let stem = path.file_stem()?.to_str()?;
+    number_at_end(stem).or_else(|| {
+        let words = stem.trim_end_matches(|c: char| c.is_alphabetic() || "._-".contains(c));
+        let digits = words.len() - words.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let (before, behind) = (&words[..words.len() - digits], &stem[words.len()..]);
+        let parted = before.ends_with('.') || behind.starts_with('.') && before.ends_with(['_', '-']);
+        let parted = parted && behind.starts_with(['.', '_', '-']);
+        if parted && digits >= 3 { number_at_end(words) } else { None }
+    })
+}
+
+/// The number at the end of a name without its extension.
+fn number_at_end(stem: &str) -> Option<i64> {
     let digits = stem.bytes().rev().take_while(u8::is_ascii_digit).count();
     let (head, digits) = stem.split_at(stem.len() - digits);
     let number: i64 = digits.parse().ok().filter(|n| *n <= MAX_FRAME)?;
@@ -173,6 +186,9 @@ mod tests {
             ("a_-3.exr", -3),
             ("-3.exr", -3),
             ("a.20240613.exr", 20_240_613),
+            ("f.0001.left.exr", 1),
+            ("f.0010_beauty.exr", 10),
+            ("shot_0012.left.denoised.exr", 12),
         ] {
             assert_eq!(number(name), Some(frame), "{name}");
         }
@@ -181,7 +197,14 @@ mod tests {
         {
             assert_eq!(number(name), None, "{name}");
         }
-        for name in ["a.99999999999999999999.exr", "4k.0003/a.exr", "a.0003.left.exr", ""] {
+        for name in [
+            "a.99999999999999999999.exr",
+            "4k.0003/a.exr",
+            "sq_0100_comp.exr",
+            "v1.2.final.exr",
+            "a.0003.l2.exr",
+            "",
+        ] {
             assert_eq!(number(name), None, "{name}");
         }
     }

@@ -18,6 +18,7 @@ use exr::meta::attribute::{
 };
 use exr::meta::header::Header;
 use smallvec::SmallVec;
+use std::collections::{HashMap, HashSet};
 use std::io::{self, Seek, SeekFrom, Write};
 
 /// A channel to be written.
@@ -54,10 +55,11 @@ impl ExrWriter {
         options: &WriteOptions,
     ) -> Result<ExrWriter, ImageError> {
         let crypto = cryptomattes(first);
+        let layers: HashSet<&str> = crypto.values().map(|matte| matte.layer.as_str()).collect();
         let mut channels = Vec::new();
         for (index, variable) in first.variables.iter().enumerate() {
             let owner = owner(variable);
-            let is_crypto = crypto.iter().any(|c| c.has(owner));
+            let is_crypto = unnumbered(owner).any(|layer| layers.contains(layer));
             let exact = is_crypto || matches!(owner, "surface" | "point" | "depth");
             if has_empty(&variable.shape) {
                 let why = format!("`{}` holds an empty vector, which has no channels", variable.name);
@@ -273,7 +275,11 @@ fn header(
 }
 
 /// All attributes of the header, sorted by name.
-fn attributes(image: &Image<'_>, header: &Header, crypto: &[Cryptomatte]) -> Vec<(String, AttributeValue)> {
+fn attributes(
+    image: &Image<'_>,
+    header: &Header,
+    crypto: &HashMap<String, Cryptomatte>,
+) -> Vec<(String, AttributeValue)> {
     let aspect = image.metadata.pixel_aspect;
     let window = header.shared_attributes.display_window;
     let mut list: Vec<(String, AttributeValue)> = vec![
@@ -291,7 +297,7 @@ fn attributes(image: &Image<'_>, header: &Header, crypto: &[Cryptomatte]) -> Vec
         let stale = name.is_empty() || list[..own].iter().any(|(n, _)| n == name);
         // A cryptomatte's names go only with its channels, which have lost the layer's prefix.
         let value = match name.strip_prefix("cryptomatte/").and_then(|rest| rest.split_once('/')) {
-            Some((id, field)) => match crypto.iter().find(|c| c.id == id) {
+            Some((id, field)) => match crypto.get(id) {
                 Some(matte) if matte.written && field == "name" => {
                     AttributeValue::Text(Text::from_slice_unchecked(matte.layer.as_bytes()))
                 }
@@ -318,31 +324,26 @@ fn attributes(image: &Image<'_>, header: &Header, crypto: &[Cryptomatte]) -> Vec
 
 /// A cryptomatte that the input's header describes.
 struct Cryptomatte {
-    id: String,
     /// What its variables are called, without the number: `CryptoObject`.
     layer: String,
     written: bool,
 }
 
-impl Cryptomatte {
-    fn has(&self, variable: &str) -> bool {
-        variable
-            .strip_prefix(self.layer.as_str())
-            .is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()))
-    }
+/// What a variable may be called without the number behind it: all that is left of it without some of its last digits.
+fn unnumbered(variable: &str) -> impl Iterator<Item = &str> {
+    let word = variable.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+    (word..=variable.len()).map(|end| &variable[..end])
 }
 
-fn cryptomattes(image: &Image<'_>) -> Vec<Cryptomatte> {
+/// The cryptomattes by the identifiers that their attributes have.
+fn cryptomattes(image: &Image<'_>) -> HashMap<String, Cryptomatte> {
+    let layers: HashSet<&str> = image.variables.iter().flat_map(|v| unnumbered(owner(v))).collect();
     let of = |(name, value): &(String, AttributeValue)| {
         let id = name.strip_prefix("cryptomatte/")?.strip_suffix("/name")?.to_string();
         let AttributeValue::Text(text) = value else { return None };
-        let mut matte = Cryptomatte {
-            id,
-            layer: identifier(last_field(&header_exr::text(text.as_slice()))),
-            written: false,
-        };
-        matte.written = image.variables.iter().any(|v| matte.has(owner(v)));
-        Some(matte)
+        let layer = identifier(last_field(&header_exr::text(text.as_slice())));
+        let written = layers.contains(layer.as_str());
+        Some((id, Cryptomatte { layer, written }))
     };
     image.metadata.attributes.list.iter().filter_map(of).collect()
 }

@@ -53,6 +53,52 @@ fn interlaced(mut png: Vec<u8>) -> Vec<u8> {
     png
 }
 
+/// The picture with a colour profile of so many zeros, which take little room as a packed block.
+#[cfg(target_os = "linux")]
+fn with_profile(png: &[u8], length: usize) -> Vec<u8> {
+    use std::io::Write;
+    let mut packed = flate2::write::ZlibEncoder::new(b"icc\0\0".to_vec(), flate2::Compression::best());
+    let zeros = vec![0; 1 << 20];
+    (0..length >> 20).for_each(|_| packed.write_all(&zeros).expect("memory"));
+    let profile = packed.finish().expect("memory");
+    let block = [b"iCCP", &profile[..]].concat();
+    let mut sum = flate2::Crc::new();
+    sum.update(&block);
+    let size = (profile.len() as u32).to_be_bytes();
+    // The header's block ends after its checksum.
+    [&png[..33], &size, &block, &sum.sum().to_be_bytes(), &png[33..]].concat()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_packed_profile_takes_no_memory() {
+    let f = Folder::new();
+    f.good("pse run -q -e '[0.2 0.4 0.6]' --scene card --size 2x2 -o one.png");
+    let bomb = with_profile(&f.read("one.png"), 600 << 20);
+    assert!(bomb.len() < 1 << 20);
+    f.write("small.png", with_profile(&f.read("one.png"), 1 << 20));
+    f.write("bomb.png", &bomb);
+    f.write("two.png", interlaced(bomb));
+    for name in ["one.png", "small.png", "bomb.png", "two.png"] {
+        // Run on, and looked up: both read the header before the pixels.
+        let texture = format!("-e 'color = texture(\"{name}\", 0.5, 0.5)' --scene card --size 2x2");
+        for run in [format!("-e color -i {name}"), texture] {
+            let ended = f.run(&format!("pse run {run} -o a.exr --stats"));
+            // A profile beyond the limit may be refused, or left out.
+            if ended.code == 0 {
+                let (peak, _) = told(&ended.err);
+                assert!(peak < 250.0, "{run}: {peak} MB");
+            }
+            assert!(ended.code == 0 || name != "small.png", "{}", ended.err);
+        }
+    }
+    // Of the process that is limited to less than the profile nothing is left undone, either.
+    for name in ["bomb.png", "two.png"] {
+        let ended = f.run(&format!("ulimit -v 4000000; pse info {name}"));
+        assert!(ended.code == 0 || ended.code == 1, "{}: {}", ended.code, ended.err);
+    }
+}
+
 #[test]
 fn what_cannot_stream_says_so() {
     let f = Folder::new();

@@ -3,6 +3,8 @@
 mod damage;
 mod gbuffers;
 mod kinds;
+mod many;
+mod maps;
 mod parts;
 mod renderers;
 mod round_trip;
@@ -16,6 +18,7 @@ use std::io::Cursor;
 /// A part for [`exr_bytes`].
 struct Part {
     name: Option<&'static str>,
+    view: Option<&'static str>,
     origin: (i32, i32),
     size: (usize, usize),
     compression: exr::prelude::Compression,
@@ -32,6 +35,7 @@ fn part(name: Option<&'static str>, size: (usize, usize), channels: &[&str]) -> 
     };
     Part {
         name,
+        view: None,
         origin: (0, 0),
         size,
         compression: exr::prelude::Compression::ZIP16,
@@ -49,6 +53,7 @@ fn exr_bytes(parts: Vec<Part>, display: (usize, usize)) -> Vec<u8> {
             let list = p.channels.into_iter().map(|(n, s)| AnyChannel::new(n.as_str(), s)).collect();
             let attributes = LayerAttributes {
                 layer_name: p.name.map(|n| n.into()),
+                view_name: p.view.map(|n| n.into()),
                 layer_position: Vec2(p.origin.0, p.origin.1),
                 ..LayerAttributes::default()
             };

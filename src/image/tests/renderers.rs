@@ -406,3 +406,22 @@ fn nothing_is_invented_and_the_hint_helps() {
     let error = file.find("normals").unwrap_err();
     assert_eq!(error.hints[0], "Did you mean `normal`?");
 }
+
+#[test]
+fn one_number_is_one_number_in_every_family() {
+    check(&["depth.R", "depth.G", "depth.B"], &[("depth", &["depth.R"])]);
+    check(&["ZDepth.R", "ZDepth.G", "ZDepth.B"], &[("depth", &["ZDepth.R"])]);
+    check(&["surface.R", "surface.G", "surface.B"], &[("surface", &["surface.R"])]);
+    check(&["alpha.R", "alpha.G", "alpha.B"], &[("alpha", &["alpha.R"])]);
+    // A program's own vector of that name comes back.
+    check(&["depth.x", "depth.y"], &[("depth", &["depth.x", "depth.y"])]);
+}
+
+#[test]
+fn a_lone_a_is_alpha_in_both_cases() {
+    check(&["N.X", "N.Y", "N.Z", "a"], &[("alpha", &["a"]), ("a", &["a"])]);
+    check(&["A", "a"], &[("alpha", &["A"]), ("a", &["a"])]);
+    check(&["R", "G", "B", "a"], &[("alpha", &["a"])]);
+    none(&["diffuse.a"], "alpha");
+    none(&["a", "b"], "alpha");
+}
