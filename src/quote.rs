@@ -1,6 +1,7 @@
 //! Words for a shell: every command that is suggested to the user is made of these, so that pasting it runs the command
 //! that is meant.
 
+use crate::visible;
 use std::path::Path;
 
 /// The text as one word of a POSIX shell: as it is where that is safe, else in quotes.
@@ -41,9 +42,9 @@ pub fn path(path: &Path) -> String {
     if text.starts_with('-') { word(&format!("./{text}")) } else { word(&text) }
 }
 
-/// Characters that a terminal does not show as they are: control characters, and those that turn the text around them.
+/// Characters that are shown otherwise than they are: what is printed would not be the word any more.
 fn is_hidden(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    c.is_control() || visible::is_hidden(c)
 }
 
 #[cfg(test)]
@@ -104,6 +105,8 @@ mod tests {
             "a\u{7f}0",
             "a\rb",
             "\u{85}1",
+            "a\u{2028}b\u{61c}",
+            "a\u{200b}b",
         ];
         for shell in ["sh", "bash", "zsh"] {
             for text in texts {

@@ -10,11 +10,13 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Whether a character does something else than to be seen: control characters other than the end of a line and the tab,
-/// and marks of direction.
+/// marks of direction, and characters without a width. (Joiners, which some scripts need, stay.)
 pub fn is_hidden(c: char) -> bool {
     match c {
         '\n' | '\t' => false,
-        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
+        '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}' => true,
+        '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' => true,
+        '\u{e0000}'..='\u{e007f}' => true,
         c => c.is_control(),
     }
 }
@@ -22,6 +24,15 @@ pub fn is_hidden(c: char) -> bool {
 /// The text with `\u{1b}` for each hidden character, and otherwise as it is.
 pub fn visible(text: &str) -> Cow<'_, str> {
     escaped(text, is_hidden, |out, c| write!(out, "\\u{{{:x}}}", c as u32))
+}
+
+/// The like for sentences, in which a tab can only come from a name.
+pub fn visible_sentence(text: &str) -> Cow<'_, str> {
+    let hidden = |c| is_hidden(c) || c == '\t';
+    escaped(text, hidden, |out, c| match c {
+        '\t' => out.write_str("\\t"),
+        c => write!(out, "\\u{{{:x}}}", c as u32),
+    })
 }
 
 /// The like for a name, which stands on one line: ends of lines and tabs are shown, too.

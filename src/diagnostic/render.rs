@@ -6,7 +6,7 @@ mod fancy;
 mod plain;
 
 use super::{Diagnostic, Sources, Span, Style};
-use crate::visible::{visible, visible_name};
+use crate::visible::{visible, visible_name, visible_sentence};
 use std::borrow::Cow;
 
 #[cfg(feature = "fancy")]
@@ -28,10 +28,10 @@ const SENTENCE: [usize; 2] = [1000, 300];
 fn short(text: &str) -> Cow<'_, str> {
     let [first, last] = SENTENCE;
     if text.len() <= first + last {
-        return visible(text);
+        return visible_sentence(text);
     }
     let whole = |at: usize| (at..text.len()).find(|&i| text.is_char_boundary(i)).unwrap_or(text.len());
-    let [first, last] = [&text[..whole(first)], &text[whole(text.len() - last)..]].map(visible);
+    let [first, last] = [&text[..whole(first)], &text[whole(text.len() - last)..]].map(visible_sentence);
     format!("{first} … {last}").into()
 }
 

@@ -461,3 +461,81 @@ fn jobs_have_no_frames_that_are_not_there() {
     run(&f, "k", &[&format!("InputDir={}", f.path("").display())]);
     assert_eq!(f.planes("k/output/o.exr", "color")[0][0], 3.0);
 }
+
+#[test]
+fn files_of_others_among_the_staged_ones_stay() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white\n");
+    f.good("job p.pse -o j -q");
+    // As a command that was killed leaves it, with something of the user's beside.
+    fs::create_dir_all(f.path("j/.pse-staged/program/mine")).expect("a folder");
+    let names = "{\"version\": 1, \"files\": {\"program/p.pse\": []}, \"folders\": [\"program\"]}";
+    for (name, text) in [
+        ("pse-bundle.json", names),
+        ("template.json", "{}"),
+        ("interim.json", "{}"),
+        ("program/p.pse", "x"),
+        ("program/notes.txt", "mine"),
+        ("program/mine/a", "mine"),
+        ("my.txt", "mine"),
+    ] {
+        f.write(&format!("j/.pse-staged/{name}"), text);
+    }
+    for (mine, next) in
+        [("my.txt", "program/notes.txt"), ("program/notes.txt", "program/mine"), ("program/mine", "")]
+    {
+        let _ = next;
+        let ended = f.pse("job p.pse -o j");
+        assert_eq!(ended.code, 1, "{}", ended.err);
+        assert!(ended.err.contains("is none of the files that pse put there"), "{}", ended.err);
+        assert!(f.path("j/.pse-staged").join(mine).exists(), "{mine}");
+        assert!(!f.path("j/.pse-staged/program/p.pse").exists(), "what is listed is removed");
+        fs::rename(f.path("j/.pse-staged").join(mine), f.path(&mine.replace('/', "-"))).expect("moved");
+    }
+    f.good("job p.pse -o j -q");
+    assert!(!f.path("j/.pse-staged").exists());
+    assert_eq!(f.read("program-mine/a"), b"mine");
+}
+
+#[test]
+fn a_refused_bundle_leaves_nothing() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white\n");
+    f.write("p.job", "mine");
+    f.untouched(1, "job p.pse -o p.job", &["`p.job` is no folder", "-o fire.job"]);
+    f.untouched(1, "job p.pse -o p.job/a", &["p.job"]);
+    // The program would not find its import in a bundle, which is found out late.
+    fs::create_dir(f.path("lib")).expect("a folder");
+    f.write("lib/q.pse", "function q()\n    return white\n");
+    f.write("lib/r.pse", "import \"../lib/q.pse\"\ncolor = q()\n");
+    for bundle in ["new", "new/output", "new/a/b", "lib/../new/c"] {
+        f.untouched(1, &format!("job lib/r.pse --path . -o {bundle}"), &["would not find all of its files"]);
+    }
+    f.good("job p.pse -o new/a/b -q");
+    // A list with a name that no file has.
+    let list = String::from_utf8(f.read("new/a/b/pse-bundle.json")).expect("text");
+    f.write("new/a/b/pse-bundle.json", &list.replace("\"files\": {", "\"files\": {\"\\u0000\": [],"));
+    f.untouched(1, "job p.pse -o new/a/b", &["does not list the files of a bundle"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn names_that_a_terminal_does_not_show_are_quoted_or_refused() {
+    let f = Folder::new();
+    f.write("p.pse", "color = white\n");
+    let job = |folder: &str, bundle: &str| {
+        fs::create_dir_all(f.path(folder)).expect("a folder");
+        f.good("run -e white --size 4x4 -o i.exr -q --force");
+        fs::rename(f.path("i.exr"), f.path(folder).join("i.exr")).expect("moved");
+        f.pse_with(&["job", "p.pse", "-i", &format!("./{folder}/i.exr"), &format!("--bundle={bundle}")], b"")
+    };
+    let told = job("a\u{2028}b", "c\u{200b}d");
+    assert_eq!(told.code, 0, "{}", told.err);
+    assert!(told.text.contains("$'c\\xe2\\x80\\x8bd/template.json'"), "{}", told.text);
+    assert!(told.text.contains("a\\xe2\\x80\\xa8b'") && !told.text.contains("u{"), "{}", told.text);
+    for name in ["a\nb", "a\tb"] {
+        let told = job(name, "j");
+        assert!(told.code == 2 && told.err.contains("control character"), "{name:?}: {}", told.err);
+        assert!(!f.path("j").exists());
+    }
+}

@@ -15,6 +15,11 @@ use std::path::{Path, PathBuf};
 /// The folder in the bundle that the new files are put into first.
 const STAGED: &str = ".pse-staged";
 
+/// Staged files beside those of the bundle: the interim template, a file on the way to its place, and a new list.
+const INTERIM: &str = "interim.json";
+const NEXT: &str = "next";
+const LIST: &str = "list.json";
+
 /// The folder of the pictures, whose content is nobody's here.
 const OUTPUT: &str = "output";
 
@@ -38,15 +43,21 @@ pub(super) struct Texts {
 /// Writes a bundle, or replaces one that `pse` wrote. What jobs have put into the folder of the output stays, and so does
 /// everything that is on no list. `force`: files of the bundle that were changed by hand are replaced too.
 pub(super) fn write(bundle: &Path, files: &Files, texts: &Texts, force: bool) -> Result<(), Failure> {
+    check_folder(bundle)?;
     let fresh = !bundle.exists();
+    // Of folders that were not there, the outermost is taken away again with those in it.
+    let outermost =
+        bundle.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists()).last();
+    let outermost = outermost.map_or(bundle.to_path_buf(), Path::to_path_buf);
     let make = || fs::create_dir_all(bundle);
     // A folder that was not there is taken away again if there is no bundle for it.
-    let made = if fresh { Some(Unfinished::create(make, |()| bundle.to_path_buf())) } else { None };
+    let made = if fresh { Some(Unfinished::create(make, |()| outermost.clone())) } else { None };
     let made = made.transpose().map_err(|e| fail("make the folder", bundle, &e))?;
     let written = fill(bundle, files, texts, force, made);
     if written.is_err() && fresh {
         // Only what is empty can be removed so.
-        let _ = fs::remove_dir(bundle);
+        let mut own = bundle.ancestors().take_while(|path| path.starts_with(&outermost));
+        let _ = own.try_for_each(fs::remove_dir);
     }
     written
 }
@@ -67,7 +78,7 @@ fn fill(
     let known = Manifest::read(bundle)?;
     let old = known.clone().unwrap_or_default();
     check_names(bundle, known.as_ref())?;
-    let staged = Staged::new(bundle, &old, known.is_some())?;
+    let staged = Staged::new(bundle, &old, known.is_some(), &files.list())?;
     files.copy(&staged.path)?;
     let mut new = staged.list()?;
     for (name, text) in [(TEMPLATE, Some(&texts.template)), (VALUES, texts.values.as_ref())] {
@@ -77,7 +88,7 @@ fn fill(
         }
     }
     let mut interim = Manifest::default();
-    let path = staged.write("interim.json", &texts.interim)?;
+    let path = staged.write(INTERIM, &texts.interim)?;
     interim.add_file(&path, Path::new(TEMPLATE)).map_err(|e| fail("read", &path, &e))?;
     for place in old.files.keys().chain(new.files.keys()) {
         old.check(bundle, place, force)?;
@@ -145,7 +156,8 @@ struct Staged {
 }
 
 impl Staged {
-    fn new(bundle: &Path, old: &Manifest, listed: bool) -> Result<Staged, Failure> {
+    /// Makes the folder, with the list of the program's files, `new`, that will be put into it.
+    fn new(bundle: &Path, old: &Manifest, listed: bool, new: &Manifest) -> Result<Staged, Failure> {
         let (path, manifest) = (bundle.join(STAGED), bundle.join(manifest::NAME));
         // Of a command that was killed; the bundle has a list, so this folder is ours. But a template may need it.
         if listed && fs::symlink_metadata(&path).is_ok() {
@@ -164,6 +176,8 @@ impl Staged {
         if let Some([_, folder]) = &mut staged.unfinished {
             *folder = Some(unfinished);
         }
+        // What is removed in the end, by whatever command, is what is listed, and nothing that somebody else has put there.
+        staged.write(manifest::NAME, &new.json())?;
         Ok(staged)
     }
 
@@ -195,7 +209,7 @@ impl Staged {
 impl Drop for Staged {
     fn drop(&mut self) {
         if self.unfinished.is_some() {
-            let _ = fs::remove_dir_all(&self.path);
+            let _ = remove_staged(&self.path);
             if !self.listed {
                 let _ = fs::remove_file(&self.manifest);
             }
@@ -214,12 +228,11 @@ fn finish_interrupted(bundle: &Path, old: &Manifest) -> Result<(), Failure> {
         .and_then(|file| pse::internal::files::read_all(file, MAX_TEMPLATE));
     let text = String::from_utf8_lossy(&bytes.unwrap_or_default()).into_owned();
     if text.contains(&staged_folder()) {
-        let program = staged.join(FOLDER);
-        let mut list = Manifest::default();
-        list.add(&program, Path::new(FOLDER)).map_err(|e| fail("read", &program, &e))?;
-        for place in list.files.keys() {
+        let list = listed_in(&staged);
+        let files = list.files.keys().filter(|place| place.starts_with(FOLDER));
+        for place in files.filter(|place| staged.join(place).is_file()) {
             old.check(bundle, place, false)?;
-            install(&staged, &bundle.join(STAGED).join(place), &bundle.join(place))?;
+            install(&staged, &staged.join(place), &bundle.join(place))?;
         }
         for (name, to) in [(VALUES, bundle.join(VALUES)), (TEMPLATE, template)] {
             let from = staged.join(name);
@@ -228,12 +241,68 @@ fn finish_interrupted(bundle: &Path, old: &Manifest) -> Result<(), Failure> {
             }
         }
     }
-    fs::remove_dir_all(&staged).map_err(|e| fail("remove", &staged, &e))
+    match remove_staged(&staged)? {
+        None => Ok(()),
+        Some(foreign) => {
+            Err(Failure::plain(format!("`{}` is none of the files that pse put there", foreign.display()))
+                .hint("Move it away: the folder is for files that are on the way into the bundle."))
+        }
+    }
+}
+
+/// The list in the folder of staged files; one that was killed before it was whole lists nothing.
+fn listed_in(staged: &Path) -> Manifest {
+    Manifest::read(staged).ok().flatten().unwrap_or_default()
+}
+
+/// Removes the staged files and their folder. What is on no list stays, and the first of it is returned.
+fn remove_staged(staged: &Path) -> Result<Option<PathBuf>, Failure> {
+    let list = listed_in(staged);
+    let own = [TEMPLATE, VALUES, INTERIM, NEXT, LIST].map(PathBuf::from);
+    for place in list.files.keys().chain(&own) {
+        let folder = place.parent().unwrap_or(Path::new(""));
+        if manifest::is_own_folder(staged, folder)
+            && staged.join(place).symlink_metadata().is_ok_and(|f| !f.is_dir())
+        {
+            let path = staged.join(place);
+            fs::remove_file(&path).map_err(|e| fail("remove", &path, &e))?;
+        }
+    }
+    // The innermost first.
+    for folder in list.folders.iter().rev().filter(|folder| manifest::is_own_folder(staged, folder)) {
+        let _ = fs::remove_dir(staged.join(folder));
+    }
+    let foreign = foreign_file(staged, &list).map_err(|e| fail("read", staged, &e))?;
+    if foreign.is_none() {
+        let path = staged.join(manifest::NAME);
+        match fs::remove_file(&path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(fail("remove", &path, &e)),
+            _ => fs::remove_dir(staged).map_err(|e| fail("remove", staged, &e))?,
+        }
+    }
+    Ok(foreign)
+}
+
+/// Something in the folder that is left beside its list and the folders on it.
+fn foreign_file(staged: &Path, list: &Manifest) -> io::Result<Option<PathBuf>> {
+    let mut folders = vec![PathBuf::new()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(staged.join(&folder))? {
+            let entry = entry?;
+            let place = folder.join(entry.file_name());
+            match entry.file_type()?.is_dir() && list.folders.contains(&place) {
+                true => folders.push(place),
+                false if place == Path::new(manifest::NAME) => {}
+                false => return Ok(Some(entry.path())),
+            }
+        }
+    }
+    Ok(None)
 }
 
 /// Puts a staged file to its place, at once; it stays staged too.
 fn install(staged: &Path, from: &Path, to: &Path) -> Result<(), Failure> {
-    let next = staged.join("next");
+    let next = staged.join(NEXT);
     // It may be another name of a staged file, left by a command that was killed.
     let _ = fs::remove_file(&next);
     let copied = fs::hard_link(from, &next).or_else(|_| fs::copy(from, &next).map(drop));
@@ -261,7 +330,7 @@ impl Change<'_> {
                 self.remove(values)?;
             }
             self.staged.keep();
-            self.install("interim.json", template)?;
+            self.install(INTERIM, template)?;
         }
         self.staged.keep();
         let program = |place: &&PathBuf| place.starts_with(FOLDER);
@@ -283,8 +352,8 @@ impl Change<'_> {
             }
         }
         self.write_list(self.new, &list)?;
-        let staged = &self.staged.path;
-        fs::remove_dir_all(staged).map_err(|e| fail("remove", staged, &e))
+        // What somebody else has put there in the meantime stays.
+        remove_staged(&self.staged.path).map(drop)
     }
 
     /// Whether anything is not as it was.
@@ -297,7 +366,9 @@ impl Change<'_> {
     }
 
     fn write_list(&self, list: &Manifest, to: &Path) -> Result<(), Failure> {
-        let path = self.staged.write(manifest::NAME, &list.json())?;
+        // The staged files have a list at every moment, too.
+        let path = self.staged.write(LIST, &list.json())?;
+        install(&self.staged.path, &path, &self.staged.path.join(manifest::NAME))?;
         install(&self.staged.path, &path, to)
     }
 

@@ -3,6 +3,7 @@
 use super::super::failure::{Failure, why};
 use super::super::run::{Plan, RunArgs};
 use super::super::source;
+use super::manifest::Manifest;
 use pse::internal::files::{self, Folders};
 use pse::internal::host::absolute;
 use std::collections::BTreeMap;
@@ -91,6 +92,17 @@ impl Files {
         let own = self.program.is_none() && !self.copies.is_empty();
         let folders = (0..self.folders).map(|i| folder(i).display().to_string());
         own.then(String::new).into_iter().chain(folders).collect()
+    }
+
+    /// The places in the bundle of all that is copied, and of the folders.
+    pub fn list(&self) -> Manifest {
+        let mut list = Manifest::default();
+        self.copies.keys().for_each(|place| list.add_place(&Path::new(FOLDER).join(place)));
+        list.folders.extend((0..self.folders).map(|i| Path::new(FOLDER).join(folder(i))));
+        if !list.folders.is_empty() {
+            list.folders.insert(FOLDER.into());
+        }
+        list
     }
 
     /// Copies them into a folder, and looks whether the program is whole there.

@@ -102,6 +102,13 @@ impl Manifest {
         Ok(())
     }
 
+    /// Lists a file that is not there yet, and the folders that it will lie in.
+    pub fn add_place(&mut self, place: &Path) {
+        self.files.entry(place.to_path_buf()).or_default();
+        let folders = place.ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty());
+        self.folders.extend(folders.map(Path::to_path_buf));
+    }
+
     /// Lists a file at its place.
     pub fn add_file(&mut self, path: &Path, place: &Path) -> io::Result<()> {
         self.files.entry(place.to_path_buf()).or_default().insert(digest(path)?);
@@ -149,7 +156,8 @@ pub(super) fn is_own_folder(bundle: &Path, at: &Path) -> bool {
 fn place(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(name);
     let inside = path.components().all(|part| matches!(part, Component::Normal(_)));
-    (inside && !name.is_empty()).then_some(path)
+    // No file has such a name, and the system's error about it would not say which.
+    (inside && !name.is_empty() && !name.contains('\0')).then_some(path)
 }
 
 /// The digest of a file's content.
@@ -174,7 +182,7 @@ mod tests {
 
     #[test]
     fn lists_name_nothing_outside() {
-        for name in ["../a", "/etc/passwd", "program/../../a", "", "."] {
+        for name in ["../a", "/etc/passwd", "program/../../a", "", ".", "\0", "program/a\0.pse"] {
             let files = serde_json::Map::from_iter([(name.to_string(), json!([]))]);
             let list = json!({ "version": 1, "files": files, "folders": [] });
             assert_eq!(Manifest::of_json(&list), None, "{name}");

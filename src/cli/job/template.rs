@@ -131,7 +131,7 @@ impl Template {
             Some(name) => words.push(format!("{{{{Param.ProgramDir}}}}/{}", literal(name)?)),
             None => {
                 for line in &self.lines {
-                    words.extend(["--expression".into(), literal(line)?]);
+                    words.extend(["--expression".into(), literal_lines(line)?]);
                 }
             }
         }
@@ -147,7 +147,7 @@ impl Template {
         }
         for Word { option, value } in self.words.iter().filter(|w| !(self.tiles.is_some() && of_joined(w))) {
             words.push(option.clone());
-            words.extend(value.as_deref().map(literal).transpose()?);
+            words.extend(value.as_deref().map(literal_lines).transpose()?);
         }
         if self.frames.is_some() {
             words.extend(["--frames".into(), "{{Task.Param.Frame}}".into()]);
@@ -202,8 +202,16 @@ fn of_joined(word: &Word) -> bool {
     matches!(word.option.as_str(), "--half" | "--bits")
 }
 
-/// A text that stands for itself in a template.
+/// A text of one line that stands for itself in a template.
 fn literal(text: &str) -> Result<String, Failure> {
+    match text.contains('\n') {
+        true => Err(control_character(text, "Rename it.")),
+        false => literal_lines(text),
+    }
+}
+
+/// A text that stands for itself in a template. Lines of a program may follow each other in one argument.
+fn literal_lines(text: &str) -> Result<String, Failure> {
     if text.contains("{{") || text.contains("}}") {
         let message =
             format!("`{text}` cannot be a part of a job: `{{{{` and `}}}}` enclose parameters there");
@@ -211,17 +219,18 @@ fn literal(text: &str) -> Result<String, Failure> {
             Failure::usage(message).hint("Rename it. What is a line of the program can go into a file.")
         );
     }
-    // Lines of a program may follow each other in one argument.
     match text.chars().find(|c| c.is_control() && *c != '\n') {
-        Some(c) => {
-            let message =
-                format!("`{}` cannot be a part of a job: it has a control character", text.escape_debug());
-            let line =
-                if c == '\t' { "Write blanks for it, or put a line" } else { "Rename it, or put a line" };
-            Err(Failure::usage(message).hint(format!("{line} of the program into a file.")))
+        Some('\t') => {
+            Err(control_character(text, "Write blanks for it, or put a line of the program into a file."))
         }
+        Some(_) => Err(control_character(text, "Rename it, or put a line of the program into a file.")),
         None => Ok(text.to_string()),
     }
+}
+
+fn control_character(text: &str, hint: &str) -> Failure {
+    let message = format!("`{}` cannot be a part of a job: it has a control character", text.escape_debug());
+    Failure::usage(message).hint(hint)
 }
 
 fn fits(words: Vec<String>) -> Result<Vec<String>, Failure> {
