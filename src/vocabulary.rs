@@ -273,6 +273,21 @@ static FUNCTIONS: &[Entry] = &[
         &["mat2", "mat3", "mat4", "float3x3", "float4x4", "matrix", "matrix3", "matrix4"],
         "A matrix is written as its rows in brackets: `[[1 0] [0 1]]`.",
     ),
+    (&["dotproduct", "dot_product", "DotProduct", "dotp"], "It is called `dot(a, b)` here."),
+    (&["crossproduct", "cross_product", "CrossProduct"], "It is called `cross(a, b)` here."),
+    (
+        &["ch", "chf", "chi", "chv", "chp", "parm", "getattr"],
+        "A value from outside is a param: the line param amount = 1 declares it, `amount` reads it, and --set amount=2 sets it.",
+    ),
+    (
+        &["MixRGB", "mixrgb", "mix_rgb", "keymix", "Keymix", "KeyMix", "Dissolve", "dissolve", "MixColor"],
+        "A blend of two values is `mix(a, b, t)`: `a` where `t` is 0, `b` where it is 1.",
+    ),
+    (
+        &["cryptomatte", "Cryptomatte", "cryptomask", "getmatte"],
+        "A cryptomatte's channels are read as `CryptoObject00` and its like; docs/antialiasing.md has a program that makes \
+         a matte of them.",
+    ),
     (&["float", "double", "half"], "Every number is a float: leave it out."),
     (&["int", "integer", "toint"], "Write `trunc(x)`, or `floor(x)`."),
     (&["bool"], "Write `x != 0`."),
@@ -661,6 +676,32 @@ fn without_case(word: &str) -> String {
 /// What to write instead of a function of another language, as a sentence. A variable's name says it too.
 pub fn function(name: &str) -> Option<&'static str> {
     BY_FUNCTION.get(name).or_else(|| BY_VARIABLE.get(name)).copied()
+}
+
+/// The output that a word of another language stands for, if a program assigns it: `color` or `alpha`.
+pub fn output(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "Ci" | "gl_FragColor" | "gl_FragData" | "fragColor" | "FragColor" | "fragmentColor" | "outColor"
+        | "out_color" | "SV_Target" | "finalColor" | "colour" | "Colour" | "Color" | "COLOR"
+        | "outputColor" | "out_Color" => "color",
+        "Oi" | "Alpha" | "ALPHA" | "outAlpha" => "alpha",
+        _ => return None,
+    })
+}
+
+/// What to write instead of a channel of another program, `rgba.alpha`, as a sentence.
+pub fn channel(layer: &str, channel: &str) -> Option<&'static str> {
+    let color = matches!(layer, "rgba" | "rgb" | "RGBA" | "RGB" | "beauty" | "Combined" | "Ci" | "Image");
+    Some(match (layer, channel) {
+        _ if color && matches!(channel, "red" | "Red" | "R" | "r") => "It is `color.r` here.",
+        _ if color && matches!(channel, "green" | "Green" | "G" | "g") => "It is `color.g` here.",
+        _ if color && matches!(channel, "blue" | "Blue" | "B" | "b") => "It is `color.b` here.",
+        _ if color && matches!(channel, "alpha" | "Alpha" | "A" | "a") => "It is `alpha` here.",
+        ("depth" | "Depth", "Z" | "z") => "It is `depth` here.",
+        ("forward" | "motion", "u") => "It is `motion.x` here.",
+        ("forward" | "motion", "v") => "It is `motion.y` here.",
+        _ => return None,
+    })
 }
 
 /// How to mend a variable that nothing has: what it is called here, and which name it may be a slip of. `own` are the

@@ -18,10 +18,16 @@ mod files;
 mod flow;
 #[path = "cli/frames.rs"]
 mod frames;
+#[path = "cli/habits.rs"]
+mod habits;
 #[path = "cli/job.rs"]
 mod job;
+#[path = "cli/many.rs"]
+mod many;
 #[path = "cli/messages.rs"]
 mod messages;
+#[path = "cli/names.rs"]
+mod names;
 #[path = "cli/noise.rs"]
 mod noise;
 #[path = "cli/outputs.rs"]

@@ -14,6 +14,7 @@ use pse::internal::program::{Error, Program};
 use pse::internal::resolve::tree::Resolved;
 use pse::internal::resolve::{names, unknown};
 use pse::internal::syntax::MAX_ERRORS;
+use pse::internal::vocabulary;
 use pse::scene::{self, Options};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -104,9 +105,11 @@ fn doubts(program: &Program, known: &Known) -> Vec<Diagnostic> {
     diagnostics
 }
 
-/// Variables that are assigned and never read, and look like one that is written: `colour`.
-fn misspelt_outputs(program: &Program) -> Vec<Diagnostic> {
+/// Variables that are assigned and never read, and look like one that is written (`colour`) or are it in another language
+/// (`fragColor`).
+pub(super) fn misspelt_outputs(program: &Program) -> Vec<Diagnostic> {
     let globals = program.resolved().globals.iter().filter(|g| !g.library && g.read.is_none());
+    let gives = |name: &str| program.assigned().any(|assigned| assigned == name);
     globals
         .filter_map(|global| {
             let name = global.name.as_str();
@@ -114,10 +117,14 @@ fn misspelt_outputs(program: &Program) -> Vec<Diagnostic> {
             if written.contains(&name) {
                 return None;
             }
-            let near = names::nearest(name, written)?;
+            let foreign = vocabulary::output(name).filter(|output| !gives(output));
+            let near = foreign.or_else(|| names::nearest(name, written))?;
             let message = format!("`{name}` is assigned and never read");
             let warning = Diagnostic::error("name", message, global.assigned?).warning();
-            Some(warning.hint(format!("Did you mean `{near}`? If not, `--vars {name}` writes it.")))
+            Some(warning.hint(match foreign {
+                Some(output) => format!("What is written is called `{output}` here. If `{name}` is meant, `--vars {name}` writes it."),
+                None => format!("Did you mean `{near}`? If not, `--vars {name}` writes it."),
+            }))
         })
         .take(MAX_ERRORS)
         .collect()

@@ -3,7 +3,7 @@
 use pse::image::ImageError;
 use pse::internal::diagnostic::{Diagnostic, Sources, Style};
 use pse::internal::program::Error;
-use pse::internal::visible::{visible, visible_json};
+use pse::internal::visible::{visible, visible_json, visible_sentence};
 use pse::scene::SceneError;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -148,7 +148,7 @@ pub(super) fn show(diagnostic: &Diagnostic) {
 
 /// A line on standard error, whose hidden characters are shown. If that is closed there is nobody to tell.
 pub(super) fn warn(line: &str) {
-    warn_rendered(&visible(line));
+    warn_rendered(&visible_sentence(line));
 }
 
 /// The same for rendered messages, in which the only hidden characters are those of colours.

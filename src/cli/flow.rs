@@ -177,12 +177,13 @@ fn draw(
     let inputs = args.images.paths().map(|path| frames::input(path, frame.number));
     inputs.for_each(|path| record(&path, Content::Data));
     flow.files(frame).iter().for_each(|path| record(path, Content::Data));
-    for (i, path) in targets.iter().enumerate() {
+    let mut distinct = output::Distinct::default();
+    for path in &targets {
         check_output(path)?;
         if args.output.is_empty() {
             output::check_default(path, args.force)?;
         }
-        output::check_distinct(path, targets[..i].iter().map(PathBuf::as_path))?;
+        distinct.add(path)?;
     }
     let start = start(args, frame)?;
     targets.iter().try_for_each(|path| check_output(path))?;

@@ -95,6 +95,8 @@ pub(super) struct Chosen {
     pub frames: Vec<Frame>,
     /// The file whose name or header has the number, if no option gives one.
     pub source: Option<String>,
+    /// That the files are of different frames, if they are and no option gives one.
+    disagreement: Option<String>,
 }
 
 impl Chosen {
@@ -108,7 +110,7 @@ impl Chosen {
     ) -> Result<Chosen, Failure> {
         if let Some(list) = list {
             let frames = list.0.iter().map(|&number| number.into()).collect();
-            return Ok(Chosen { frames, source: None });
+            return Ok(Chosen { frames, source: None, disagreement: None });
         }
         let (frame, source) = given_or_found(one, inputs);
         let needs = inputs.iter().map(|input| input.path).filter(|path| is_sequence(path));
@@ -116,14 +118,15 @@ impl Chosen {
         for name in needs {
             check_number(name, frame)?;
         }
-        Ok(Chosen { frames: vec![frame], source })
+        let disagreement = one.is_none().then(|| disagreement(&numbers_of(inputs))).flatten();
+        Ok(Chosen { frames: vec![frame], source, disagreement })
     }
 
     /// What the user should know of the frames that a program reads: where the number comes from, and which number the
     /// program does not see as it is.
     pub fn notes(&self, program: &Program) -> Vec<String> {
         let read = program.resolved().globals.iter().any(|g| g.name == "frame" && g.read.is_some());
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = self.disagreement.iter().filter(|_| read).cloned().collect();
         if let (Some(source), [Frame { number: Some(number), .. }], true) =
             (&self.source, &self.frames[..], read)
         {
@@ -144,7 +147,13 @@ impl Chosen {
 pub(super) fn given_or_found(one: Option<FrameArg>, inputs: &[FrameSource<'_>]) -> (Frame, Option<String>) {
     match one {
         Some(FrameArg(frame)) => (frame, None),
-        None => of_inputs(inputs).map_or_else(Default::default, |(number, name)| (number.into(), Some(name))),
+        None => match numbers_of(inputs).as_slice() {
+            // Files that disagree say nothing.
+            [(number, name), others @ ..] if others.iter().all(|(other, _)| other == number) => {
+                ((*number).into(), Some(name.clone()))
+            }
+            _ => Default::default(),
+        },
     }
 }
 
@@ -157,17 +166,25 @@ pub(super) struct FrameSource<'n> {
     pub named: bool,
 }
 
-/// The number that the inputs have in their names or headers, and the file that it comes from: those without a name, else
-/// those with one. Several that disagree have none.
-fn of_inputs(inputs: &[FrameSource<'_>]) -> Option<(i64, String)> {
+/// The numbers that the inputs have in their names or headers, and the files that they come from: those of the inputs
+/// without a name, else of those with one.
+fn numbers_of(inputs: &[FrameSource<'_>]) -> Vec<(i64, String)> {
     let files = |named: bool| {
         let files = inputs.iter().filter(move |input| input.named == named).map(|input| input.path);
         let files = files.filter(|path| *path != "-" && !is_sequence(path));
         files.filter_map(|path| Some((frame_number(Path::new(path))?, path.to_string())))
     };
     let mut numbers = [false, true].into_iter().map(|named| files(named).collect::<Vec<_>>());
-    let numbers = numbers.find(|numbers| !numbers.is_empty())?;
-    numbers.iter().all(|(number, _)| *number == numbers[0].0).then(|| numbers[0].clone())
+    numbers.find(|numbers| !numbers.is_empty()).unwrap_or_default()
+}
+
+/// Two of the files that are of different frames.
+fn disagreement(numbers: &[(i64, String)]) -> Option<String> {
+    let (first, one) = numbers.first()?;
+    let (second, other) = numbers.iter().find(|(number, _)| number != first)?;
+    Some(format!(
+        "`{one}` is of frame {first} and `{other}` of frame {second}, so frame is 0; --frame gives one"
+    ))
 }
 
 /// Whether an input is another file in each frame: its name has a place for the number, and no file is called so.

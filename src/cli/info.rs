@@ -2,12 +2,15 @@
 
 use super::camera;
 use super::failure::{Failure, print};
+use super::frames;
 use super::input::MapArg;
 use super::model;
 use clap::Args;
 use pse::gbuffer::{JumpCounter, PointSampler};
-use pse::image::{File, Image, Input, ReadOptions, info as image_info, read};
+use pse::image::{File, Image, Info, Input, ReadOptions, info as image_info, number_in_name, read};
 use pse::internal::eval::has_space;
+use pse::internal::quote;
+use pse::internal::resolve::names;
 use pse::internal::shape::Shape;
 use pse::internal::visible::visible_name;
 use pse::mesh::{Format, Mesh, shortest};
@@ -41,12 +44,64 @@ pub(super) fn info(args: &InfoArgs) -> Result<(), Failure> {
             print(&about_mesh(path, &model::read(path, false)?))?;
             continue;
         }
-        let file = read(Input::from_argument(path)?, &options)?;
+        let file = read(Input::from_argument(path)?, &options)
+            .map_err(|error| about_sequence(error.into(), path))?;
         let mut table = image_info(&file)?;
         table.notes.extend(about_points(&file)?);
+        leave_out_unreadable(&mut table);
         print(&table.to_string())?;
     }
     Ok(())
+}
+
+/// Takes names that no program can read out of the table, and says how the channels can be read.
+fn leave_out_unreadable(table: &mut Info) {
+    let mut names: Vec<String> = Vec::new();
+    for channel in &mut table.channels {
+        channel.variables.retain(|written| {
+            let name = written.trim_start_matches('(').trim_end_matches([')', '?']);
+            let name = name.split('[').next().unwrap_or(name);
+            // A vector's component stands behind its name.
+            let (variable, member) = name.rsplit_once('.').map_or((name, None), |(v, m)| (v, Some(m)));
+            let variable =
+                if member.is_some_and(|m| names::component(m).is_some()) { variable } else { name };
+            let readable = names::is_readable(variable);
+            if !readable && !names.iter().any(|known| known == variable) {
+                names.push(variable.to_string());
+            }
+            readable
+        });
+    }
+    for name in names {
+        let why = if names::RESERVED.contains(&name.as_str()) { "is the system's" } else { "cannot be read" };
+        table.notes.push(format!("`{name}` {why} in programs: read the channels with --map NAME=CHANNELS."));
+    }
+}
+
+/// Says which files a name with a place for the frame's number may mean.
+fn about_sequence(failure: Failure, path: &Path) -> Failure {
+    let name = path.to_string_lossy();
+    if !frames::is_sequence(&name) {
+        return failure;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let numbers = |file: PathBuf| {
+        let number = number_in_name(&file)?;
+        (frames::fill(&name, number) == path.with_file_name(file.file_name()?).to_string_lossy())
+            .then_some(number)
+    };
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let found: Vec<i64> = files.filter_map(numbers).collect();
+    let failure =
+        failure.hint("The name has a place for the frame's number, and pse info describes one file.");
+    match found.iter().min() {
+        Some(first) => failure.hint(format!(
+            "Of frames {} the first is {}.",
+            frames::ranges(&found, "x"),
+            quote::word(&frames::fill(&name, *first))
+        )),
+        None => failure.hint("No file is called so with a number in that place."),
+    }
 }
 
 /// Rows that are read at once.
@@ -93,7 +148,7 @@ fn sentence(text: &str) -> String {
 
 /// What a mesh has, as a table.
 fn about_mesh(path: &Path, mesh: &Mesh) -> String {
-    let mut text = format!("{}: a mesh\n", path.display());
+    let mut text = format!("{}: a mesh\n", visible_name(&path.display().to_string()));
     let mut line = |name: &str, value: String| {
         // A text takes whatever is written.
         let _ = writeln!(text, "  {name:10} {value}");
@@ -113,8 +168,11 @@ fn about_mesh(path: &Path, mesh: &Mesh) -> String {
             line(name, format!("[{}]", end.map(shortest).join(" ")));
         }
     }
-    for (i, name) in mesh.surfaces.iter().enumerate() {
-        let faces = mesh.faces.iter().filter(|f| f.surface as usize == i).count();
+    let mut counts = vec![0usize; mesh.surfaces.len()];
+    for face in &mesh.faces {
+        counts[face.surface as usize] += 1;
+    }
+    for (i, (name, faces)) in mesh.surfaces.iter().zip(counts).enumerate() {
         line("surface", format!("{} is {}, {faces} faces", i + 1, visible_name(name)));
     }
     text

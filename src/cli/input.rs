@@ -8,7 +8,10 @@ use super::scene::ViewArgs;
 use clap::Args;
 use pse::image::{ErrorKind, File, Image, ImageError, Input, Mapping, ReadOptions, Rows, read};
 use pse::internal::eval::NO_IMAGE;
-use pse::internal::resolve::names::component;
+use pse::internal::program::Program;
+use pse::internal::resolve::names::{self, component};
+use pse::internal::resolve::unknown::component_meant;
+use pse::internal::vocabulary;
 use pse::scene::Renderer;
 use pse::solid::Isosurface;
 use std::ops::Range;
@@ -139,6 +142,13 @@ pub(super) struct Opened {
     pub file: File,
     /// Is it one of a sequence?
     of_sequence: bool,
+}
+
+impl Opened {
+    /// A name of a variable of the file, as programs call it.
+    fn full(&self, own: &str) -> String {
+        self.name.as_ref().map_or_else(|| own.to_string(), |name| format!("{name}.{own}"))
+    }
 }
 
 /// What finds the visible surface where there is no file.
@@ -287,7 +297,13 @@ impl Inputs {
         frame: Option<i64>,
         source: impl Fn(&Path) -> Result<Input, ImageError>,
     ) -> Result<Inputs, Failure> {
-        for map in maps {
+        // What stands before a variable may be a view of the images without a name.
+        let is_view = |map: &MapArg| {
+            map.image.is_some()
+                && !args.iter().any(|a| a.name == map.image)
+                && args.iter().any(|a| a.name.is_none())
+        };
+        for map in maps.iter().filter(|map| !is_view(map)) {
             if !args.iter().any(|a| a.name == map.image) {
                 let image = map.image.as_ref().map_or("no unnamed input".into(), |i| format!("no input {i}"));
                 let name = &map.mapping.name;
@@ -302,8 +318,15 @@ impl Inputs {
                 return Err(Failure::usage(format!("two inputs are called {name}")));
             }
             let path = frames::input(&arg.path, frame);
-            let own = |m: &&MapArg| m.image == arg.name;
-            let maps = maps.iter().filter(own).map(|m| m.mapping.clone()).collect();
+            let own = |map: &MapArg| match &map.image {
+                Some(view) if is_view(map) && arg.name.is_none() => {
+                    let Mapping { name, channels } = map.mapping.clone();
+                    Some(Mapping { name: format!("{view}.{name}"), channels })
+                }
+                image if *image == arg.name => Some(map.mapping.clone()),
+                _ => None,
+            };
+            let maps = maps.iter().filter_map(own).collect();
             let file = read(source(&path)?, &ReadOptions { maps, raw })
                 .map_err(|error| of_another_kind(error.into(), &path))?;
             let of_sequence = frames::has_pattern(&arg.path);
@@ -321,8 +344,8 @@ impl Inputs {
     pub fn variables(&self) -> Vec<String> {
         let of = |opened: &Opened| {
             let plain = opened.file.variables().iter().filter(|b| !b.alias && b.candidates.len() == 1);
-            let prefix = opened.name.as_ref().map_or(String::new(), |name| format!("{name}."));
-            plain.map(|b| format!("{prefix}{}", b.name)).collect::<Vec<_>>()
+            let names = plain.map(|b| opened.full(&b.name));
+            names.filter(|name| names::is_readable(name)).collect::<Vec<_>>()
         };
         self.list.iter().flat_map(of).collect()
     }
@@ -353,7 +376,7 @@ impl Inputs {
                     // another view, unless an image is called so.
                     None => Some(full.as_str()).filter(|n| !self.is_of_named(n) && !taken.contains(n)),
                 };
-                let Some(own) = own else { continue };
+                let Some(own) = own.filter(|_| !names::RESERVED.contains(&full.as_str())) else { continue };
                 match file.find(own) {
                     Ok(_) => names.push((own, full.as_str())),
                     Err(e) if e.kind == ErrorKind::Missing => {}
@@ -405,7 +428,7 @@ impl Inputs {
         self.list.iter().find_map(|opened| {
             let own = match &opened.name {
                 Some(name) => full.strip_prefix(name.as_str())?.strip_prefix('.')?,
-                None => Some(full).filter(|n| !self.is_of_named(n))?,
+                None => Some(full).filter(|n| !self.is_of_named(n) && !names::RESERVED.contains(n))?,
             };
             match opened.file.find(own) {
                 Ok(_) => Some(Ok(())),
@@ -429,10 +452,12 @@ impl Inputs {
         let found = self.list.iter().find(|o| named(o) && of_view(o));
         let Some(opened) = found.or_else(|| self.list.iter().find(named)) else {
             return match image {
-                Some(image) => self.layer(image, own).map_or_else(
-                    || vec![format!("{NO_IMAGE} {image}: name one with -i {image}=FILE.")],
-                    |hint| vec![hint],
-                ),
+                Some(image) => {
+                    let of_layer = self.layer(image, own);
+                    let known = || vocabulary::channel(image, own).map(|instead| vec![instead.to_string()]);
+                    let none = || vec![format!("{NO_IMAGE} {image}: name one with -i {image}=FILE.")];
+                    of_layer.or_else(known).unwrap_or_else(none)
+                }
                 None => vec!["All inputs have names: an -i FILE without one gives plain variables.".into()],
             };
         };
@@ -457,25 +482,69 @@ impl Inputs {
 }
 
 impl Inputs {
+    /// What a user should know of what a program reads: the mappings, and names that mean two things.
+    pub fn notes(&self, program: &Program) -> Vec<String> {
+        let mut notes: Vec<String> =
+            self.list.iter().flat_map(|opened| opened.file.notes()).cloned().collect();
+        let globals = &program.resolved().globals;
+        let reads = |name: &str| globals.iter().any(|g| !g.library && g.name == name && g.read.is_some());
+        for Opened { file, .. } in self.list.iter().filter(|opened| opened.name.is_none()) {
+            let has = |name: &str| file.variables().iter().any(|binding| binding.name == name);
+            let shown = file.name();
+            for name in names::RESERVED.iter().filter(|name| reads(name) && has(name)) {
+                notes.push(format!(
+                    "`{name}` is what the system provides, not the channel of that name in {shown}; --map NAME={name} reads \
+                     the channel under another name"
+                ));
+            }
+            for constant in names::CONSTANTS.iter().filter(|c| reads(c.name) && has(c.name)) {
+                let name = constant.name;
+                notes.push(format!("`{name}` is the variable of {shown}, not {}", constant.brief));
+            }
+        }
+        notes
+    }
+
     /// What to tell a program that names a layer of an input before a variable: layers are no part of names.
-    fn layer(&self, layer: &str, own: &str) -> Option<String> {
-        let variable =
-            own.rsplit_once('.').filter(|(_, member)| is_component(member)).map_or(own, |(v, _)| v);
-        let unnamed = self.list.iter().filter(|opened| opened.name.is_none());
-        let mut bindings = unnamed.flat_map(|opened| opened.file.variables());
+    fn layer(&self, layer: &str, own: &str) -> Option<Vec<String>> {
+        let (variable, member) = match own.rsplit_once('.') {
+            Some((variable, member)) => {
+                (variable, component_meant(member).or(Some(member)).filter(|m| is_component(m)))
+            }
+            None => (own, None),
+        };
+        let unnamed = || self.list.iter().filter(|opened| opened.name.is_none());
         let of_layer = |group: &str| {
             let mut fields = group.split('.');
             fields.any(|field| field.eq_ignore_ascii_case(layer)) && fields.next().is_some()
         };
-        let binding = bindings.find(|b| b.name == variable)?;
-        let candidate = binding.candidates.iter().find(|c| of_layer(&c.group))?;
-        Some(match binding.candidates.len() {
-            1 => format!("Leave the layer out: `{own}`."),
-            _ => format!(
-                "Leave the layer out, `{own}`, and say which layer it is: --map {variable}={}.",
-                candidate.group
-            ),
-        })
+        let bindings = || unnamed().flat_map(|opened| opened.file.variables());
+        for binding in bindings().filter(|b| b.name == variable || b.name == own) {
+            let Some(candidate) = binding.candidates.iter().find(|c| of_layer(&c.group)) else { continue };
+            let short = match member.filter(|_| binding.name == variable && !candidate.shape.is_scalar()) {
+                Some(member) => format!("{variable}.{member}"),
+                None => binding.name.clone(),
+            };
+            return Some(vec![match binding.candidates.len() {
+                1 if own != variable && short == variable => {
+                    format!("Leave the layer and the component out: `{short}`.")
+                }
+                1 => format!("Leave the layer out: `{short}`."),
+                _ => format!(
+                    "Leave the layer out, `{short}`, and say which layer it is: --map {}={}.",
+                    binding.name, candidate.group
+                ),
+            }]);
+        }
+        // The layer is there, and has no such variable.
+        let found = |opened: &&Opened| {
+            let groups = opened.file.variables().iter().flat_map(|b| &b.candidates).map(|c| c.group.as_str());
+            let mut layers = groups.filter_map(|group| group.rsplit_once('.').map(|(layers, _)| layers));
+            layers.any(|layers| layers.split('.').any(|field| field.eq_ignore_ascii_case(layer)))
+        };
+        let file = &unnamed().find(found)?.file;
+        let first = format!("`{layer}` is a layer of {}. Layers are no part of names.", file.name());
+        Some(std::iter::once(first).chain(file.missing(variable).hints).collect())
     }
 }
 

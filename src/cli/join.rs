@@ -98,7 +98,8 @@ impl JoinArgs {
         let name = |name: &str| frame.map_or_else(|| name.to_string(), |f| frames::fill(name, f));
         let tile = |name: &str| frames::input(name, frame).to_string_lossy().into_owned();
         let joined = Joined::open(&self.names(tile)?)?;
-        let mut writers = Vec::new();
+        let mut writers: Vec<(Writer, Option<_>, PathBuf)> = Vec::new();
+        let mut distinct = output::Distinct::default();
         let options =
             WriteOptions { half: self.half, bits: self.bits, raw: self.raw, ..WriteOptions::default() };
         let Region { x0, y0, x1, y1 } = joined.whole;
@@ -117,7 +118,7 @@ impl JoinArgs {
                 output::make_folder(&path)?;
             }
             let format = output::check(&path).map_err(|failure| output::or_mkdir(failure, &path))?;
-            output::check_distinct(&path, writers.iter().map(|(_, _, path): &(_, _, PathBuf)| &**path))?;
+            distinct.add(&path)?;
             let shown = if format == Format::Exr { None } else { Some(joined.shown(&path)?) };
             writers.push((Writer::create(&path, height, &options)?, shown, path));
         }

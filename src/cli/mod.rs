@@ -122,8 +122,19 @@ pub fn parse() -> Result<Cli, ExitCode> {
             // Nobody may read it any more.
             let _ = error.print();
         }
+        if let Some(tip) = about_recenter(std::env::args_os()) {
+            failure::warn(&tip);
+        }
         ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
     })
+}
+
+/// What to write where the value of `--recenter`, which need not have one, stands apart from it.
+fn about_recenter(args: impl Iterator<Item = std::ffi::OsString>) -> Option<String> {
+    let words: Vec<String> = args.map(|arg| arg.to_string_lossy().into_owned()).collect();
+    let pair =
+        words.windows(2).find(|pair| pair[0] == "--recenter" && pse::scene::parse_point(&pair[1]).is_ok())?;
+    Some(format!("\n  tip: write --recenter={}; without a value it takes the middle of the mesh", pair[1]))
 }
 
 /// Does what the arguments say, and tells how it ended.

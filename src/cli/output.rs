@@ -1,12 +1,14 @@
 //! The files that come out: whether they can be written, and what of a run goes into them.
 
 use super::failure::{Failure, why};
-use pse::image::{Force, Format, Image, check_target, same_target, set_force, written_by_pse};
+use pse::image::{Force, Format, Image, TargetKey, check_target, set_force, target_keys, written_by_pse};
 use pse::internal::program::Program;
 use pse::internal::shape::Shape;
+use pse::internal::vocabulary;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::io::IsTerminal;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Finds out before the work whether a file can be written at all.
 pub(super) fn check(path: &Path) -> Result<Format, Failure> {
@@ -33,19 +35,31 @@ pub(super) fn check_default(path: &Path, force: bool) -> Result<(), Failure> {
         .hint("Give a name with -o. To replace the file, add --force."))
 }
 
-/// Whether an output is one of those before it, under whatever name.
-pub(super) fn check_distinct<'p>(path: &Path, before: impl Iterator<Item = &'p Path>) -> Result<(), Failure> {
-    let mut same =
-        before.filter(|other| *other == path || path.as_os_str() != "-" && same_target(other, path));
-    match same.next() {
-        Some(other) if other == path => {
-            Err(Failure::usage(format!("two outputs are called {}", shown(path))))
+/// The outputs of a command, of which no two may be one file.
+#[derive(Default)]
+pub(super) struct Distinct {
+    /// By each of the keys of their files.
+    known: HashMap<TargetKey, PathBuf>,
+}
+
+impl Distinct {
+    /// Adds an output; an error if it is one of those before it, under whatever name.
+    pub fn add(&mut self, path: &Path) -> Result<(), Failure> {
+        let keys = target_keys(path);
+        let same = keys.iter().find_map(|key| self.known.get(key));
+        match same {
+            Some(other) if other == path => {
+                Err(Failure::usage(format!("two outputs are called {}", shown(path))))
+            }
+            Some(other) => {
+                let (one, two) = (other.display(), path.display());
+                Err(Failure::usage(format!("the outputs `{one}` and `{two}` are one file")))
+            }
+            None => {
+                self.known.extend(keys.into_iter().map(|key| (key, path.to_path_buf())));
+                Ok(())
+            }
         }
-        Some(other) => {
-            let (one, two) = (other.display(), path.display());
-            Err(Failure::usage(format!("the outputs `{one}` and `{two}` are one file")))
-        }
-        None => Ok(()),
     }
 }
 
@@ -97,7 +111,12 @@ pub(super) fn shown_variable(
                 .hint("An .exr file holds them all."))
         }
         None if by_normal || assigned.contains(&"color") || assigned.is_empty() => Ok(None),
-        None => Err(no_color("the program assigns no color")
+        None => Err(assigned
+            .iter()
+            .filter(|name| vocabulary::output(name) == Some("color"))
+            .fold(no_color("the program assigns no color"), |failure, name| {
+                failure.hint(format!("`{name}` is called `color` here."))
+            })
             .hint(format!("It assigns {}.", assigned.join(", ")))
             .hint(format!(
                 "Show one of them with --vars {0}, add a line color = {0}, or write an .exr file, \

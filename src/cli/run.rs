@@ -12,7 +12,8 @@ mod stream;
 pub(super) use args::{LimitArgs, RunArgs, bits, positive};
 pub(super) use plan::{DEFAULT_SCENE, Plan, reading, scene, set, space};
 
-use super::failure::{Failure, print, show, warn};
+use super::check::misspelt_outputs;
+use super::failure::{Failure, print, show, style, warn, warn_rendered};
 use super::frames::{self, Frame};
 use super::interrupt::{self, CANCEL};
 use super::output;
@@ -25,7 +26,7 @@ use plan::Output;
 use pse::image::Image;
 use pse::internal::diagnostic::Diagnostic;
 use pse::internal::eval::{BATCH, Places, Resample};
-use pse::internal::program::{Limits, Progress, RunOptions};
+use pse::internal::program::{Error, Limits, Progress, RunOptions};
 use resume::Hashes;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -44,6 +45,8 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         hashes: Hashes::default(),
         prints: Shown::new(if args.quiet { 0 } else { args.print }),
         first: true,
+        size: None,
+        sizes_told: false,
     };
     let view = &args.images.view;
     let moves = view.mesh.as_deref().is_some_and(frames::is_sequence) && plan.frames.len() > 1;
@@ -106,6 +109,10 @@ struct Work<'a> {
     prints: Shown,
     /// Has no frame been run yet?
     first: bool,
+    /// Columns and rows of the first frame.
+    size: Option<[usize; 2]>,
+    /// Has it been said that frames differ in size?
+    sizes_told: bool,
 }
 
 impl Work<'_> {
@@ -153,12 +160,27 @@ impl Work<'_> {
         outcome.stats.wall += opened;
         if std::mem::take(&mut self.first) && !args.quiet {
             self.tell_once(&outputs);
+            input.inputs.notes(&plan.program).iter().for_each(|note| warn(note));
+        }
+        if !args.quiet {
+            self.tell_size(&input, frame);
         }
         let number = frame.number.filter(|_| plan.frames.len() > 1);
         self.prints.frame(&outcome.prints, plan.program.sources(), number);
         job.tell(&outcome, number)?;
         self.kept = Some(input).filter(|_| !moving);
         Ok(Done::Run)
+    }
+
+    /// Says where the frames of a sequence begin to have another size.
+    fn tell_size(&mut self, input: &FrameInput, frame: Frame) {
+        let size = input.resolution();
+        let [w, h] = *self.size.get_or_insert(size);
+        if [w, h] == size || std::mem::replace(&mut self.sizes_told, true) {
+            return;
+        }
+        let number = frame.number.map_or(String::new(), |number| format!(" {number}"));
+        warn(&format!("frame{number} is {}x{}, and the first frame is {w}x{h}", size[0], size[1]));
     }
 
     /// Says what holds for all frames.
@@ -168,6 +190,14 @@ impl Work<'_> {
             warn(&format!("no input: this is the scene {scene} (see pse scene --list, or give -i FILE)"));
         }
         self.plan.frame_notes.iter().for_each(|note| warn(note));
+        // Who names what is written means it.
+        let misspelt =
+            if self.args.vars.is_some() { Vec::new() } else { misspelt_outputs(&self.plan.program) };
+        if !misspelt.is_empty() {
+            let sources = self.plan.program.sources().clone();
+            let warnings = Error { diagnostics: misspelt, sources, cancelled: false };
+            warn_rendered(warnings.render(style()).trim_end());
+        }
         if let Some(output) = outputs.iter().find(|o| self.args.resume && !o.format.holds_stamp()) {
             let shown = output::shown(&output.path);
             warn(&format!(

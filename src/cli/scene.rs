@@ -78,8 +78,12 @@ impl ViewArgs {
                 .hint("An image has the size and the points that it has."));
         }
         if eye.is_none() && (look_at.is_some() || fov.is_some()) || look_at.is_none() && fov.is_some() {
-            return Err(Failure::usage("for an image, --look-at needs --eye, and --fov needs both")
-                .hint("--eye 3,-8,5 says where the eye is. With --look-at the program has the space \"camera\", with \
+            let (has, misses) = match (look_at, eye) {
+                (Some(_), _) => ("--look-at", "--eye"),
+                (None, Some(_)) => ("--fov", "--look-at"),
+                (None, None) => ("--fov", "--eye and --look-at"),
+            };
+            return Err(Failure::usage(format!("for an image, {has} needs {misses}")).hint("--eye 3,-8,5 says where the eye is. With --look-at the program has the space \"camera\", with \
                        --fov also \"screen\"."));
         }
         Ok(())

@@ -6,6 +6,7 @@ use pse::image::{Content, record_standard_input, recorded};
 use pse::internal::host::{Disk, read_text};
 use pse::internal::program::{Compiler, Program};
 use pse::internal::resolve::unknown::Doubt;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Which program.
@@ -25,6 +26,7 @@ pub(super) struct ProgramArgs {
 impl ProgramArgs {
     /// The program's name in messages, and its text.
     pub fn read(&self) -> Result<(String, String), Failure> {
+        check_path(&self.path)?;
         match &self.program {
             Some(path) => read(path),
             None => Ok(("<command line>".into(), self.lines.join("\n") + "\n")),
@@ -40,6 +42,21 @@ impl ProgramArgs {
     pub fn stem(&self) -> String {
         let path = self.program.as_ref().filter(|_| !self.is_stdin());
         path.and_then(|p| p.file_stem()).map_or("out".into(), |s| s.to_string_lossy().into_owned())
+    }
+}
+
+/// The most folders of `--path`: each import and each texture is looked for in all of them.
+const MAX_FOLDERS: usize = 256;
+
+/// Refuses more folders than are searched.
+pub(super) fn check_path(path: &[PathBuf]) -> Result<(), Failure> {
+    match path.len() <= MAX_FOLDERS {
+        true => Ok(()),
+        false => Err(Failure::usage(format!(
+            "--path is given {} times, and {MAX_FOLDERS} are the limit",
+            path.len()
+        ))
+        .hint("Name a folder above them: files are found below it as \"folder/file\".")),
     }
 }
 
@@ -60,6 +77,39 @@ pub(super) fn compile_for(
     Ok(Compiler::new().host(&host).doubt(doubt).compile(name, text)?)
 }
 
+/// Why the file is no program, if it is a mesh or an image.
+fn of_another_kind(path: &Path) -> Option<Failure> {
+    let mut start = [0; 16];
+    let read = std::fs::File::open(path).ok().filter(|_| path.is_file())?.read(&mut start).ok()?;
+    let start = &start[..read];
+    let is_mesh =
+        pse::mesh::Format::of(path).is_some() || start.starts_with(b"glTF") || start.starts_with(b"ply");
+    let magic: [&[u8]; 9] = [
+        &[0x76, 0x2f, 0x31, 0x01],
+        b"\x89PNG",
+        &[0xff, 0xd8, 0xff],
+        b"II*\0",
+        b"MM\0*",
+        b"#?RADIANCE",
+        b"#?RGBE",
+        b"RIFF",
+        b"GIF8",
+    ];
+    let is_image = magic.iter().any(|magic| start.starts_with(magic));
+    let word = pse::internal::quote::path(path);
+    let (what, how) = match (is_mesh, is_image) {
+        (true, _) => (
+            "a mesh",
+            format!("Give it with --mesh {word}, and a program before it: pse run a.pse --mesh {word}."),
+        ),
+        (false, true) => {
+            ("an image", format!("Give it with -i {word}, and a program before it: pse run a.pse -i {word}."))
+        }
+        (false, false) => return None,
+    };
+    Some(Failure::plain(format!("`{}` is {what}, and a program is expected here", path.display())).hint(how))
+}
+
 /// The name in messages and the text of a program's file, or of standard input for `-`.
 pub(super) fn read(path: &Path) -> Result<(String, String), Failure> {
     if path.as_os_str() == "-" {
@@ -69,6 +119,9 @@ pub(super) fn read(path: &Path) -> Result<(String, String), Failure> {
         return Ok(("<standard input>".into(), text));
     }
     let shown = path.display().to_string();
+    if let Some(failure) = of_another_kind(path) {
+        return Err(failure);
+    }
     match recorded(path, Content::Program, std::fs::File::open(path)).and_then(read_text) {
         Ok(text) => Ok((shown, text)),
         Err(e) => {

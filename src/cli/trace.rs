@@ -145,7 +145,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let depth = if args.calls { u32::MAX } else { args.depth };
     let wanted = TraceOptions { depth, limit: args.limit };
     let trace = program.trace(&image, column, row - top, &options, &wanted)?;
-    chosen.notes(&program).iter().for_each(|note| warn(note));
+    chosen.notes(&program).iter().chain(&inputs.notes(&program)).for_each(|note| warn(note));
     if args.images.is_empty() {
         warn(&format!("no input: this is the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"));
     }

@@ -25,6 +25,7 @@ pub fn absent(
         let is_variable = names::USUAL_INPUTS.contains(&base) || has.iter().any(|v| v == base);
         let is_image = missing.is_some() && !hints.iter().any(|hint| hint.starts_with(NO_IMAGE))
             || has.iter().any(|v| v.split_once('.').is_some_and(|(image, _)| image == base));
+        // Of an image that is not there a component of its variable may be meant, too.
         return match is_variable && !is_image {
             true => unknown::no_component(base, member, span),
             false => add(error, hints),
@@ -51,6 +52,7 @@ pub fn absent(
     }
     let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
         .label(span, "nothing assigns it, and the input has none of that name");
+    let error = unknown::about_includes(&program.sources.get(span.source).text, error);
     if matches!(name, "camera" | "world" | "screen" | "object") {
         return error.hint(format!("A space is named in quotation marks: `transform(\"{name}\", point)`."));
     }

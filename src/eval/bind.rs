@@ -20,6 +20,7 @@ use crate::shape::Shape;
 use crate::syntax::MAX_ERRORS;
 use crate::texture::Texture;
 use crate::value::{PixelValue, Plane, Value};
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Says what is known of a variable that an image does not have, as hints to the user.
@@ -200,13 +201,16 @@ pub(super) fn bind_traced<'r>(
     drop(steps);
     let eye = if reads("eye") || reads("I") { spaces::eye(image, options) } else { None };
     let [columns, rows] = image.resolution();
+    let set = options.set_values();
     for (global, value) in program.globals.iter().zip(values) {
         let name = global.name.as_str();
         let resampled = sampled.and_then(|s| s.variable(name));
-        let input = resampled.or(image.variable(name)).filter(|_| !global.library);
+        let input = resampled
+            .or(image.variable(name))
+            .filter(|_| !global.library && !names::RESERVED.contains(&name));
         let source = if let Some(value) = value {
             Source::Uniform(value)
-        } else if let Some(value) = options.set_value(name).filter(|_| !global.library) {
+        } else if let Some(value) = set.get(name).copied().filter(|_| !global.library) {
             Source::Uniform(value.clone())
         } else if let Some(variable) = input {
             given(variable, moved && resampled.is_none() && !is_id(name))
@@ -282,7 +286,14 @@ pub(super) fn constant_value(constant: &names::Constant) -> PixelValue {
 /// What is set from outside must be something that the program has.
 fn check_set(program: &Resolved, options: &Options<'_>) -> Vec<Diagnostic> {
     let mut errors = Vec::new();
+    let own = program.globals.iter().zip(0u32..).filter(|(global, _)| !global.library);
+    let slots: HashMap<&str, u32> = own.map(|(global, slot)| (global.name.as_str(), slot)).collect();
+    let params: HashSet<u32> = program.params.iter().map(|param| param.slot).collect();
     for (name, _) in &options.set {
+        // Nobody reads more, and a list of all params is long.
+        if errors.len() == MAX_ERRORS {
+            break;
+        }
         let by_option = match name.as_str() {
             "frame" => Some("the frame's number (`--frame`)"),
             "pixelsize" | "pixel_freq" => Some("the size of a pixel (`--pixelsize`)"),
@@ -293,9 +304,9 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Vec<Diagnostic> {
             errors.push(error.hint(format!("There is an option of its own for {option}.")));
             continue;
         }
-        if let Some(slot) = program.slot(name) {
+        if let Some(&slot) = slots.get(name.as_str()) {
             let global = &program.globals[slot as usize];
-            let param = program.params.iter().any(|p| p.slot == slot);
+            let param = params.contains(&slot);
             if let Some(span) = global.assigned.or(global.framed).filter(|_| !param) {
                 let error = Diagnostic::error(
                     "name",

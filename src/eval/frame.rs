@@ -67,8 +67,9 @@ pub(super) fn run(
         return Ok(Frame { values: vec![None; program.globals.len()], ..Frame::default() });
     }
     let [columns, rows] = image.resolution();
+    let set = options.set_values();
     let sources = program.globals.iter().map(|global| {
-        if let Some(value) = options.set_value(&global.name).filter(|_| !global.library) {
+        if let Some(&value) = set.get(global.name.as_str()).filter(|_| !global.library) {
             return Source::Uniform(value.clone());
         }
         if let Some(space) = space_of(&global.name) {
@@ -125,9 +126,9 @@ pub(super) fn run(
                 }
             }
             ranges.push(stated);
-            let set = options.set_value(&param.name);
+            let set = set.get(param.name.as_str());
             let value = match set {
-                Some(value) => Value::from(value),
+                Some(&value) => Value::from(value),
                 None => machine.eval(&param.value, &Mask::All)?,
             };
             machine.store(Place::Global(param.slot), value, &Mask::All)?;

@@ -116,15 +116,26 @@ impl Machine<'_> {
             return Ok(value.element(i as usize));
         }
         let lane = self.first(mask);
-        let letter = ["x", "y", "z", "w"].get(i as usize).copied().unwrap_or("x");
+        // As it is written: `.a` and `.w` are the same.
+        let written = self.program.sources.text(Span { start: base.end.clamp(span.start, span.end), ..span });
+        let written = written.trim_start_matches('.');
+        let names = if matches!(written, "r" | "g" | "b" | "a") {
+            ["r", "g", "b", "a"]
+        } else {
+            ["x", "y", "z", "w"]
+        };
+        let letter = names.get(i as usize).copied().unwrap_or("x");
         let message = format!("there is no component `.{letter}` in {}", value.shape);
         // The dot and its letter.
         let member = Span { start: base.end.clamp(span.start, span.end), ..span };
         let error = Diagnostic::error("index", message, member).label(base, value.show(lane));
-        let last = ["x", "y", "z", "w"][..count.min(4)].last();
-        let error = match last {
+        let error = match names[..count.min(4)].last() {
             Some(last) => error.hint(format!("Its last component is `.{last}`.")),
             None => error,
+        };
+        let error = match (letter, self.program.sources.text(base)) {
+            ("a", "color") => error.hint("The alpha of the picture is a variable of its own: `alpha`."),
+            _ => error,
         };
         Err(self.fault(error, lane))
     }

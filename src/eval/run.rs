@@ -19,6 +19,7 @@ use crate::resolve::Resolved;
 use crate::shape::Shape;
 use crate::value::PixelValue;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -117,8 +118,9 @@ impl Options<'_> {
         self.isa.unwrap_or_else(Isa::detect)
     }
 
-    pub(super) fn set_value(&self, name: &str) -> Option<&PixelValue> {
-        self.set.iter().rev().find(|(n, _)| n == name).map(|(_, v)| v)
+    /// The values that are set, by name; of several the last.
+    pub(super) fn set_values(&self) -> HashMap<&str, &PixelValue> {
+        self.set.iter().map(|(name, value)| (name.as_str(), value)).collect()
     }
 }
 

@@ -5,6 +5,7 @@ use crate::files::{Folders, outside};
 use crate::image::{Content, Input, has_pattern, recorded};
 use crate::syntax::MAX_TEXT;
 use crate::texture::Origin;
+use std::collections::HashSet;
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
@@ -49,14 +50,13 @@ impl Disk {
     /// as the name says. `..` undoes the folder written before it, whether that is a link or not.
     fn places(&self, program: &str, name: &str) -> Vec<PathBuf> {
         let roots = self.roots(program);
-        let allowed: Vec<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
-        let mut places = Vec::new();
-        for path in roots.iter().map(|root| clean(&root.join(name))) {
-            let whole = absolute(&path);
-            if allowed.iter().any(|root| whole.starts_with(root)) && !places.contains(&path) {
-                places.push(path);
-            }
-        }
+        let allowed: HashSet<PathBuf> = roots.iter().map(|root| absolute(root)).collect();
+        let mut seen = HashSet::new();
+        let mut places: Vec<PathBuf> = roots.iter().map(|root| clean(&root.join(name))).collect();
+        places.retain(|path| {
+            let whole = absolute(path);
+            whole.ancestors().any(|folder| allowed.contains(folder)) && seen.insert(path.clone())
+        });
         places
     }
 }

@@ -87,10 +87,12 @@ impl Resolver<'_> {
         } else if name.text == print::NAME {
             self.no_print(args, span, scope)
         } else {
-            for arg in args {
+            // A string is no mistake of its own: some function may take one.
+            for arg in args.iter().filter(|arg| !matches!(&*arg.value.kind, ast::ExprKind::Text(_))) {
                 self.expr(&arg.value, scope);
             }
             let error = self.unknown_function(name, args.len(), scope);
+            let error = super::unknown::about_includes(&self.sources.get(name.span.source).text, error);
             self.errors.push(error);
             None
         };
@@ -106,11 +108,7 @@ impl Resolver<'_> {
             || names::constant(written).is_some()
             || names::is_system(written)
             || names::USUAL_INPUTS.contains(&written.as_str())
-            || self
-                .out
-                .globals
-                .iter()
-                .any(|g| g.name == *written && (g.assigned.is_some() || g.framed.is_some()));
+            || self.is_assigned(written);
         if variable {
             let error = error(format!("`{written}` is a variable, not a function"));
             return error.hint(match constructor(written).filter(|_| arguments > 1) {
@@ -367,6 +365,9 @@ impl Resolver<'_> {
             (_, Some(_)) => (error(format!("`{name}()` takes a string for `{}`", param.name)), ""),
             (_, None) => {
                 let error = error(format!("`{name}()` takes no string for `{}`", param.name));
+                // A compositor's matte is that of an object; the function of that name is a surface without gloss.
+                let object = vocabulary::function("cryptomatte").filter(|_| name == "matte");
+                let error = object.into_iter().fold(error, Diagnostic::hint);
                 self.errors.push(error.hint(signature.usage()));
                 return None;
             }

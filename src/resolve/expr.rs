@@ -150,15 +150,12 @@ impl Resolver<'_> {
             self.errors.push(no_swizzle(base, member));
             return ExprKind::Number(0.0);
         }
-        match &*base.kind {
-            ast::ExprKind::Name(image)
-                if !scope.locals.as_ref().is_some_and(|l| l.contains_key(image))
-                    && !self.is_assigned(image) =>
-            {
+        match self.image_name(base, scope) {
+            Some(image) => {
                 let full = format!("{image}.{}", member.text);
                 ExprKind::Variable(self.variable(&full, span, scope))
             }
-            _ => {
+            None => {
                 self.expr(base, scope);
                 let written = match &*base.kind {
                     ast::ExprKind::Name(name) => name,
@@ -170,7 +167,25 @@ impl Resolver<'_> {
         }
     }
 
-    fn is_assigned(&self, name: &str) -> bool {
+    /// The name of an image before a member: `bg`, or with a view of that image `bg.left`.
+    fn image_name(&self, base: &ast::Expr, scope: &Scope) -> Option<String> {
+        match &*base.kind {
+            ast::ExprKind::Name(image) => {
+                let is_local = scope.locals.as_ref().is_some_and(|l| l.contains_key(image));
+                (!is_local && !self.is_assigned(image)).then(|| image.clone())
+            }
+            ast::ExprKind::Member(image, view) => {
+                let ast::ExprKind::Name(_) = &*image.kind else { return None };
+                let is_component = names::component(&view.text).is_some() || is_swizzle(&view.text);
+                let image = self.image_name(image, scope).filter(|_| !is_component)?;
+                Some(format!("{image}.{}", view.text))
+            }
+            _ => None,
+        }
+    }
+
+    /// Does the program give a variable of that name a value?
+    pub fn is_assigned(&self, name: &str) -> bool {
         self.ids.get(&(false, name.to_string())).is_some_and(|&i| {
             let global = &self.out.globals[i as usize];
             global.assigned.is_some() || global.framed.is_some()

@@ -51,6 +51,26 @@ pub static SYSTEM: &[(&str, &str)] = &[
     ),
 ];
 
+/// The system's names that no variable of an image hides: programs rely on them whatever the file holds.
+pub static RESERVED: &[&str] = &["frame", "begin_frame", "resolution", "pixel"];
+
+/// Whether a program can read a variable of that name, which may have an image's or a view's name before it.
+pub fn is_readable(name: &str) -> bool {
+    let fields: Vec<&str> = name.split('.').collect();
+    let is_name = |field: &&str| {
+        let id = crate::diagnostic::SourceId::default();
+        let parsed = crate::syntax::parse_expression(id, field);
+        parsed.is_some_and(|e| matches!(&*e.kind, crate::syntax::ast::ExprKind::Name(_)))
+    };
+    // A component stands behind a dot, or several.
+    let is_member = |field: &&str| component(field).is_none() && !super::unknown::is_swizzle(field);
+    fields.len() <= 3
+        && fields.iter().all(is_name)
+        && fields[1..].iter().all(is_member)
+        // Of a variable that programs assign, what stands behind it is a component.
+        && !(if fields.len() > 1 { USUAL_INPUTS } else { RESERVED }).contains(&fields[0])
+}
+
 /// The system's names that have one value for the frame.
 pub static FRAME: &[&str] = &["frame", "begin_frame", "resolution", "eye"];
 

@@ -60,6 +60,17 @@ pub fn usual(program: &Resolved, name: &str, span: Span) -> Option<Diagnostic> {
     })
 }
 
+/// Adds what `#include` means here, if the text has such a line: what it would include may be what is missing.
+pub fn about_includes(text: &str, error: Diagnostic) -> Diagnostic {
+    let mut lines = text.lines().filter_map(|line| line.strip_prefix("#include"));
+    let Some(line) = lines.find(|rest| rest.trim_start().starts_with(['"', '<'])) else { return error };
+    let file = line.trim().trim_start_matches(['"', '<']);
+    let file = file.split(['"', '>']).next().unwrap_or(file);
+    error.hint(format!(
+        "`#include` begins a comment here. Another file's functions come by `import \"{file}\"`."
+    ))
+}
+
 /// The error of a function's name where a variable is read; `gap`: with its `(` a blank away, inside `[ ]`.
 pub fn no_variable(name: &str, span: Span, gap: bool) -> Diagnostic {
     let error = Diagnostic::error("name", format!("`{name}` is a function, not a variable"), span);
@@ -72,7 +83,7 @@ pub fn no_variable(name: &str, span: Span, gap: bool) -> Diagnostic {
 
 /// The component that is meant by a member which is none here: by the letters of texture coordinates, by capital
 /// letters, or by its whole name.
-fn component_meant(member: &str) -> Option<&'static str> {
+pub fn component_meant(member: &str) -> Option<&'static str> {
     Some(match member {
         "u" | "s" | "U" | "S" | "X" => "x",
         "v" | "t" | "V" | "T" | "Y" => "y",
@@ -88,6 +99,10 @@ fn component_meant(member: &str) -> Option<&'static str> {
 
 /// The error of a member that names no component of the vector `base`.
 pub fn no_component(base: &str, member: &str, span: Span) -> Diagnostic {
+    if matches!(base, "depth" | "surface" | "alpha") && component_meant(member).is_some() {
+        return Diagnostic::error("name", format!("`{base}` is one number, without components"), span)
+            .hint(format!("Leave `.{member}` out: `{base}`."));
+    }
     let error = Diagnostic::error("name", format!("a vector has no component called `{member}`"), span);
     let error = match component_meant(member) {
         Some(component) => error.hint(format!("Write `{base}.{component}`.")),
@@ -97,7 +112,7 @@ pub fn no_component(base: &str, member: &str, span: Span) -> Diagnostic {
 }
 
 /// Several components at once, as shading languages write them: `xyz`, `rg`.
-pub(super) fn is_swizzle(member: &str) -> bool {
+pub fn is_swizzle(member: &str) -> bool {
     let of = |set: &str| member.chars().all(|c| set.contains(c));
     (2..=4).contains(&member.len()) && (of("xyzw") || of("rgba"))
 }

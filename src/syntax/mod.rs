@@ -25,6 +25,7 @@ mod word;
 
 pub use dump::tree;
 pub use format::format;
+pub use hex::color as web_color;
 pub use layout::MAX_BLOCKS;
 pub use line::{MAX_BRACKETS, MAX_DEPTH};
 pub use parse::{MAX_ERRORS, MAX_TEXT, Parsed, is_incomplete, parse};

@@ -97,7 +97,8 @@ fn channels_are_mapped() {
     assert_eq!(f.planes("a.exr", "color"), f.planes("c.exr", "color"));
     f.bad(1, &format!("run -e where -i {path} --map where=pont -o a.exr"), &["pont", "Did you mean"]);
     f.bad(2, &format!("run -e where -i {path} --map where -o a.exr"), &["no mapping"]);
-    f.bad(2, &format!("run -e white -i {path} --map h.where=point"), &["no input h"]);
+    f.bad(1, &format!("run -e white -i {path} --map h.where=point"), &["no view `h`", "-i h=FILE"]);
+    f.bad(2, &format!("run -e white -i g={path} --map h.where=point"), &["no input h"]);
     f.bad(1, &format!("run -e white*albedo -i {path}"), &["no variable `albedo`", "`point`"]);
     assert!(f.good(&format!("info {path} --map where=point")).text.contains("where.x"));
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// Compares what a command says with the message of that name.
 #[track_caller]
-fn says(f: &Folder, name: &str, arguments: &[&str]) {
+pub(super) fn says(f: &Folder, name: &str, arguments: &[&str]) {
     let ended = f.pse_with(arguments, b"");
     assert_ne!(ended.code, 0, "pse {arguments:?} is a mistake");
     let shown: Vec<String> = arguments.iter().map(|a| format!("{a:?}")).collect();
@@ -20,7 +20,7 @@ fn says(f: &Folder, name: &str, arguments: &[&str]) {
 }
 
 /// Writes an EXR file of 4 x 4 pixels with these channels.
-fn exr(f: &Folder, name: &str, channels: &[&str]) {
+pub(super) fn exr(f: &Folder, name: &str, channels: &[&str]) {
     let values = |i: usize| FlatSamples::F32((0..16).map(|p| (i + 1) as f32 + p as f32 / 16.0).collect());
     let list = channels.iter().enumerate().map(|(i, c)| AnyChannel::new(*c, values(i))).collect();
     let layer =

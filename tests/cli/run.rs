@@ -227,7 +227,7 @@ fn the_view_of_a_scene() {
     f.good("scene card -o c.exr --size 8x8 -q");
     f.bad(2, "run -e white --size 8x8 -i c.exr", &["need a --scene"]);
     f.bad(2, "run -e white --look-at 0,0,0 -i c.exr", &["--look-at needs --eye"]);
-    f.bad(2, "run -e white --eye 0,-5,0 --fov 30 -i c.exr", &["--fov needs both"]);
+    f.bad(2, "run -e white --eye 0,-5,0 --fov 30 -i c.exr", &["--fov needs --look-at"]);
     f.bad(2, "run -e white --scene donut -i c.exr", &["two inputs for one"]);
 }
 

@@ -72,7 +72,10 @@ impl Session {
     }
 
     /// The program with an expression behind it, and the variable that has its value; `color` without one.
-    fn wanted(&self, expression: &str) -> Result<(pse::internal::program::Program, &'static str), Failure> {
+    fn wanted(
+        &mut self,
+        expression: &str,
+    ) -> Result<(pse::internal::program::Program, &'static str), Failure> {
         if !expression.is_empty() {
             return Ok((self.compile(&format!("{}{expression}\n", self.program()))?, VALUE));
         }
@@ -155,7 +158,7 @@ impl Session {
         Ok(String::new())
     }
 
-    fn variables(&self) -> Result<String, Failure> {
+    fn variables(&mut self) -> Result<String, Failure> {
         let program = self.compile(&self.program())?;
         let own = self.at_pixel(&program)?;
         let index = self.pixel[1] * self.image.width + self.pixel[0];

@@ -14,6 +14,7 @@ use pse::internal::program::{Compiler, Limits, Program, RunOptions};
 use pse::internal::resolve::tree::{Resolved, Stmt, StmtKind};
 use pse::internal::syntax::{self, ast};
 use pse::internal::value::PixelValue;
+use pse::scene::Renderer;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -109,7 +110,7 @@ impl Session {
         match piece(&text) {
             Piece::Nothing => Ok(String::new()),
             Piece::Expression => {
-                let program = self.compile(&(self.program() + &text))?;
+                let program = self.compile(&format!("{}{text}", self.program()))?;
                 Ok(self.printed(&program)? + &self.value(&program)?)
             }
             Piece::Statements { last_expression, function } => {
@@ -143,8 +144,23 @@ impl Session {
         Ok(printed)
     }
 
+    /// Compiles a text, and reads what more it asks of the inputs than is in memory.
+    pub fn compile(&mut self, text: &str) -> Result<Program, Failure> {
+        let program = self.compile_only(text)?;
+        let globals = program.resolved().globals.iter().filter(|g| !g.library && g.read.is_some());
+        let missing = globals.map(|g| &g.name).filter(|name| self.image.variable(name).is_none());
+        let found = missing.filter(|name| matches!(self.inputs.find(name), Some(Ok(()))));
+        let names: Vec<String> = found.cloned().collect();
+        if !names.is_empty() {
+            let mut reader = self.inputs.reader(None::<&Renderer>, &names.into(), false)?;
+            let more = reader.read(0..self.image.height)?;
+            self.image.variables.extend(more.variables);
+        }
+        Ok(program)
+    }
+
     /// Compiles a text.
-    pub fn compile(&self, text: &str) -> Result<Program, Failure> {
+    fn compile_only(&self, text: &str) -> Result<Program, Failure> {
         let has = self.image.variables.iter().map(|v| v.name.clone()).collect();
         let known = Known::Images { first: Some(("input".into(), has)), inputs: Arc::clone(&self.inputs) };
         let doubt = |program: &Resolved, name: &str, span| known.doubt_before_run(program, name, span);
@@ -178,7 +194,7 @@ impl Session {
         if count == 0 {
             return Ok(String::new());
         }
-        let before = prints(&self.compile(&self.program())?, 1)?.count as usize;
+        let before = prints(&self.compile_only(&self.program())?, 1)?.count as usize;
         let lines = prints(program, before + LINES)?.lines;
         let mut text: String = lines.iter().skip(before).map(|line| format!("{line}\n")).collect();
         if count > before + LINES {

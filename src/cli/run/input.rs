@@ -84,6 +84,11 @@ impl FrameInput {
         request.find()
     }
 
+    /// Columns and rows of the whole picture.
+    pub fn resolution(&self) -> [usize; 2] {
+        self.about.resolution()
+    }
+
     /// The pixels that are run, and what lies where.
     pub fn about(&self) -> Result<Image<'static>, Failure> {
         match self.region {

@@ -5,6 +5,7 @@ use crate::cli::failure::Failure;
 use crate::cli::frames::{Chosen, Frame};
 use crate::cli::input::{ImageArgs, Wanted};
 use crate::cli::known::Lazy;
+use crate::cli::output::Distinct;
 use crate::cli::progress::Style;
 use crate::cli::scene::Seen;
 use crate::cli::{frames, output, source, tiles};
@@ -177,8 +178,8 @@ impl Plan {
         // What is set may be the solid's, or that of the program which paints it.
         match own(Vec::new())? {
             Some(solid) => {
-                let is_own = |(name, _): &(String, PixelValue)| has(solid.program(), name);
-                own(set.into_iter().filter(is_own).collect())
+                let known = names_of(solid.program());
+                own(set.into_iter().filter(|(name, _)| known.contains(name.as_str())).collect())
             }
             None => Ok(None),
         }
@@ -190,7 +191,10 @@ impl Plan {
         mut set: Vec<(String, PixelValue)>,
         solid: Option<&Isosurface<'_>>,
     ) -> Vec<(String, PixelValue)> {
-        set.retain(|(name, _)| has(&self.program, name) || !solid.is_some_and(|s| has(s.program(), name)));
+        if let Some(solid) = solid {
+            let (own, solids) = (names_of(&self.program), names_of(solid.program()));
+            set.retain(|(name, _)| own.contains(name.as_str()) || !solids.contains(name.as_str()));
+        }
         set
     }
 
@@ -205,6 +209,7 @@ impl Plan {
             None => path,
         };
         let mut outputs: Vec<Output> = Vec::new();
+        let mut distinct = Distinct::default();
         for path in &self.paths {
             let path = of_tile(name(path));
             if args.mkdir {
@@ -214,7 +219,7 @@ impl Plan {
             if self.default_paths {
                 output::check_default(&path, args.force)?;
             }
-            output::check_distinct(&path, outputs.iter().map(|output| &*output.path))?;
+            distinct.add(&path)?;
             outputs.push(Output { path, format });
         }
         Ok(outputs)
@@ -233,10 +238,11 @@ fn paths(args: &RunArgs, frames: usize) -> Vec<PathBuf> {
     vec![format!("{stem}{frame}{ending}").into()]
 }
 
-/// Does the program know the name?
-fn has(program: &Program, name: &str) -> bool {
+/// The names that the program knows.
+fn names_of(program: &Program) -> HashSet<&str> {
     let program = program.resolved();
-    program.slot(name).is_some() || program.params.iter().any(|p| p.name == name)
+    let globals = program.globals.iter().filter(|global| !global.library).map(|global| global.name.as_str());
+    globals.chain(program.params.iter().map(|param| param.name.as_str())).collect()
 }
 
 /// Beside a solid there is no other input without a name.
@@ -367,6 +373,13 @@ fn named_value(option: &str, text: &str, frame: f32, form: &str) -> Result<(Stri
     };
     let (name, expression) = (name.trim(), expression.trim());
     let title = format!("{option} {name}");
+    if let Some((length, color)) =
+        syntax::web_color(expression).filter(|(length, _)| *length == expression.len())
+    {
+        let failure =
+            Failure::usage(format!("{title}: `{}` is a colour of a web page", &expression[..length]));
+        return Err(failure.hint(format!("Write {option} {name}='{color}'.")));
+    }
     let program =
         source::compile(&title, expression, &[]).map_err(|failure| match in_brackets(expression) {
             Some(vector) => failure.hint_program(format!("Write {option} {name}='{vector}'.")),
@@ -401,6 +414,7 @@ fn in_brackets(text: &str) -> Option<String> {
     let inner = text.trim_matches(|c| matches!(c, '[' | ']' | '(' | ')' | '{' | '}'));
     let elements: Vec<&str> = inner.split([',', ' ']).map(str::trim).filter(|e| !e.is_empty()).collect();
     let vector = format!("[{}]", elements.join(" "));
-    let is_vector = elements.len() > 1 && syntax::parse_expression(SourceId::default(), &vector).is_some();
+    // `sin 3` is a call without its brackets.
+    let is_vector = elements.len() > 1 && elements.iter().all(|element| element.parse::<f32>().is_ok());
     is_vector.then_some(vector)
 }

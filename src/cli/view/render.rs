@@ -35,6 +35,8 @@ struct Drawing {
 pub(super) fn for_ever(session: &Session, pictures: Pictures, watcher: Watcher) -> ! {
     let mut drawing = Drawing { pictures, watcher, compiled: None, took: None };
     let mut done = 0;
+    // What was last reported in the terminal.
+    let mut said: Option<String> = None;
     loop {
         let job = session.next(done);
         done = job.version;
@@ -48,6 +50,14 @@ pub(super) fn for_ever(session: &Session, pictures: Pictures, watcher: Watcher) 
                     let begun = !job.text.trim().is_empty();
                     state.error = begun.then(|| told::failure(&failure));
                     session.tell_state(&mut state);
+                    drop(state);
+                    // What is wrong with a program is on the page, where it is written; a file may be missing before any
+                    // page is open.
+                    let message = failure.message();
+                    if matches!(failure, Failure::Plain(_)) && said.as_ref() != Some(&message) {
+                        failure.report();
+                        said = Some(message);
+                    }
                 }
             }
         }
