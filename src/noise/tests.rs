@@ -1,4 +1,4 @@
-//! The two noises of Perlin, 1985 and 1992, and what is built on them; every kind is measured in `tests/noise.rs`.
+//! The two noises of Perlin, 1985 and 1992, and what is built on them; every kind is measured in `tests/noise`.
 
 // Loops over lanes index several arrays at once.
 #![allow(clippy::needless_range_loop)]

@@ -3,7 +3,7 @@ if exists("b:current_syntax")
   finish
 endif
 
-" The lists are tested against the language; UPDATE=1 cargo test --test editors writes them anew.
+" The lists are tested against the language; UPDATE=1 cargo test --test language editors writes them anew.
 " lists begin
 syn keyword pseKeyword if else while for in break continue function return param
 syn keyword pseKeyword import

@@ -1,4 +1,4 @@
-//! What holds for every function of the table. Their examples are run by `tests/reference.rs`.
+//! What holds for every function of the table. Their examples are run by `tests/language/reference.rs`.
 
 mod canonical;
 mod filtered;

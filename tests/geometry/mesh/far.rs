@@ -1,7 +1,6 @@
 //! Meshes far from the origin, of any size, and of faces that coincide.
 
 use super::{at, ball, of, picture, read};
-use assert_cmd::Command;
 use pse::image::Image;
 use pse::mesh::{Corner, Deform, Face, Mesh};
 use pse::scene::{Model, Options, Renderer};
@@ -323,39 +322,4 @@ fn given_eyes_are_in_the_world_and_errors_too() {
     let bad = Options { eye: Some(offset), ..by_hand(offset) };
     let error = Renderer::of_model(&model, &bad).err().unwrap().to_string();
     assert!(error.contains("448262.25,4649776.5,312"), "{error}");
-}
-
-#[test]
-fn far_meshes_are_reported_and_recentered() {
-    let folder = tempfile::tempdir().unwrap();
-    let here = folder.path();
-    let text = "v 448262.1 4649776.5 0\nv 448264.1 4649776.5 0\nv 448264.1 4649778.5 0\nv 448262.1 4649778.5 0\nf 1 2 3 4\n";
-    std::fs::write(here.join("far.obj"), text).unwrap();
-    let run = |words: &[&str]| {
-        let output = Command::cargo_bin("pse").unwrap().args(words).current_dir(here).output().unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{said}");
-        said + &String::from_utf8_lossy(&output.stdout)
-    };
-    let said = run(&["scene", "--mesh", "far.obj", "-o", "a.exr", "--size", "16x16"]);
-    assert!(said.contains("`point`, in 32 bits, has steps of 0.5. Add --recenter"), "{said}");
-    let said = run(&["scene", "--mesh", "far.obj", "--recenter", "-o", "b.exr", "--size", "16x16"]);
-    assert!(said.contains("what was at 448263.1,0,4649777.5 is at the origin"), "{said}");
-    assert!(!said.contains("steps of"), "{said}");
-    let said = run(&["info", "b.exr"]);
-    assert!(said.contains("point"), "{said}");
-    let hash = |more: &[&str]| {
-        run(&[&["run", "-e", "color = point", "--mesh", "far.obj", "--size", "16x16", "--hash", "-q"], more]
-            .concat())
-    };
-    assert_eq!(hash(&["--recenter"]), hash(&["--recenter=448263.1,0,4649777.5"]));
-    assert_ne!(hash(&["--recenter"]), hash(&[]));
-
-    let said = run(&["deform", "far.obj", "-e", "point = point", "-o", "same.obj"]);
-    assert!(said.contains("Add --recenter"), "{said}");
-    assert_eq!(std::fs::read_to_string(here.join("same.obj")).unwrap(), format!("o mesh\n{text}"));
-    let said = run(&["deform", "far.obj", "-e", "point += [0.01 0 0]", "-o", "right.obj", "--recenter"]);
-    assert!(!said.contains("Add --recenter"), "{said}");
-    let [x, y, z] = read(&here.join("right.obj")).unwrap().mesh.points[0];
-    assert!((x - 448_262.11).abs() < 1e-7 && [y, z] == [4_649_776.5, 0.0], "{x} {y} {z}");
 }

@@ -8,11 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-#[path = "mesh/commands.rs"]
-mod commands;
-#[path = "mesh/far.rs"]
 mod far;
-#[path = "mesh/forms.rs"]
 mod forms;
 
 fn suzanne(ending: &str) -> PathBuf {

@@ -3,19 +3,12 @@
 //! What is measured of each kind also makes the table in `docs/noise.md`, and its contracts the text there. After a
 //! change rewrite it with `UPDATE=1 cargo test --release --test noise`.
 
-#[path = "noise/contract.rs"]
 mod contract;
-#[path = "noise/convolution.rs"]
 mod convolution;
-#[path = "noise/curl.rs"]
 mod curl;
-#[path = "noise/document.rs"]
 mod document;
-#[path = "noise/limits.rs"]
 mod limits;
-#[path = "noise/measured.rs"]
 mod measured;
-#[path = "noise/sums.rs"]
 mod sums;
 
 use limits::{EXPECTED, RULES, holds};

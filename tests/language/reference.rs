@@ -1,6 +1,6 @@
 //! The reference of functions: every example in it is run, and `docs/builtins.md` is up to date.
 //!
-//! After a change of a function's documentation, rewrite the file with `UPDATE=1 cargo test --test reference`.
+//! After a change of a function's documentation, rewrite the file with `UPDATE=1 cargo test --test language reference`.
 
 use pse::Disk;
 use pse::internal::builtin::reference::Entry;
@@ -143,5 +143,8 @@ fn the_documentation_is_up_to_date() {
         std::fs::write(&path, &expected).unwrap();
     }
     let found = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(found == expected, "docs/builtins.md is stale: UPDATE=1 cargo test --test reference rewrites it");
+    assert!(
+        found == expected,
+        "docs/builtins.md is stale: UPDATE=1 cargo test --test language reference rewrites it"
+    );
 }

@@ -1,7 +1,7 @@
 //! Images that are damaged, lie about their size, or have an odd one.
 
-use super::samples::{read_all, samples};
 use super::{Folder, Random};
+use crate::formats::{read_all, samples};
 use pse::image::{ErrorKind, Input, ReadOptions, read};
 
 /// How often each file is damaged.

@@ -5,13 +5,9 @@ use serde_json::{Value, json};
 use std::io::BufReader;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-#[path = "lsp/connection.rs"]
 mod connection;
-#[path = "lsp/features.rs"]
 mod features;
-#[path = "lsp/imports.rs"]
 mod imports;
-#[path = "lsp/random.rs"]
 mod random;
 
 /// An editor.

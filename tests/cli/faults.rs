@@ -1,6 +1,5 @@
 //! Whatever goes wrong around a run: no panic, no half of a file under the final name, no input harmed, no more memory
 //! than allowed, and a message that says what happened. What is measured of it is in docs/reliability.md.
-#![cfg(unix)]
 
 use std::fs;
 use std::os::unix::process::CommandExt;
@@ -8,14 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-#[path = "faults/files.rs"]
 mod files;
-#[path = "faults/memory.rs"]
 mod memory;
-#[path = "faults/named.rs"]
 mod named;
-#[path = "faults/samples.rs"]
-mod samples;
 
 /// A folder of its own for a test.
 struct Folder(tempfile::TempDir);

@@ -1,8 +1,9 @@
 //! Programs and files that nobody would write: each ends soon, as a result or as an error.
 //!
 //! `PSE_HOSTILE_SECONDS` says how long to try (4 if it is not set), `PSE_HOSTILE_SEED` where to begin. A failure tells
-//! the seed of its input. `cargo test --release --test hostile -- --nocapture` tells how many were tried.
+//! the seed of its input. `cargo test --release --test cli hostile -- --nocapture` tells how many were tried.
 
+use crate::formats;
 use pse::Memory;
 use pse::image::{ImageError, Input};
 use pse::internal::diagnostic::SourceId;
@@ -14,9 +15,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
-
-#[path = "faults/samples.rs"]
-mod samples;
 
 /// No input takes longer: they are small, and so are the limits.
 const LONGEST: Duration = Duration::from_secs(20);
@@ -294,7 +292,7 @@ fn texts() {
 
 #[test]
 fn files() {
-    let mut list = samples::samples();
+    let mut list = formats::samples();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gbuffers");
     let mut real: Vec<_> =
         fs::read_dir(folder).expect("a folder").map(|e| e.expect("a file").path()).collect();
@@ -329,7 +327,7 @@ fn files() {
                 _ => {}
             }
         }
-        match samples::read_all(name, &bytes) {
+        match formats::read_all(name, &bytes) {
             Ok(()) => "read".into(),
             Err(ImageError { kind, .. }) => format!("{kind:?}"),
         }

@@ -1,9 +1,16 @@
 //! Meshes on the command line.
 
-use super::{read, suzanne};
 use assert_cmd::Command;
 use pse::mesh;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+fn suzanne(ending: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/meshes/suzanne.{ending}"))
+}
+
+fn points(path: &Path) -> Vec<[f64; 3]> {
+    mesh::read(path, &|_, _| ()).expect("a mesh").mesh.points
+}
 
 fn run(folder: &Path, words: &[&str]) -> (bool, String) {
     let output = Command::cargo_bin("pse").unwrap().args(words).current_dir(folder).output().unwrap();
@@ -52,7 +59,7 @@ fn deform_from_the_command_line() {
         run(here, &["deform", "head", "-e", "point += frame * [0 1 0]", "-o", "h.##.obj", "--frames", "1-3"]);
     assert!(good, "{said}");
     assert!(said.contains("wrote h.02.obj"), "{said}");
-    let [head, third] = [mesh::head(), read(&here.join("h.03.obj")).unwrap().mesh];
+    let [head, third] = [mesh::head(), mesh::read(&here.join("h.03.obj"), &|_, _| ()).expect("a mesh").mesh];
     let [x, y, z] = head.points[5];
     assert_eq!(third.points[5].map(|c| c as f32), [x as f32, y as f32 + 3.0, z as f32]);
     assert!((2000..8000).contains(&head.points.len()), "{}", head.points.len());
@@ -86,7 +93,7 @@ fn a_seam_does_not_tear() {
     let words = ["-e", "point += 0.2 * normal * turbulence(4 * point)", "-e", "print(point)", "-o", "b.obj"];
     let (good, said) = run(here, &[&["deform", glb.to_str().unwrap()], &words[..]].concat());
     assert!(good && said.contains("more lines not shown"), "{said}");
-    let (before, after) = (read(&glb).unwrap().mesh.points, read(&here.join("b.obj")).unwrap().mesh.points);
+    let (before, after) = (points(&glb), points(&here.join("b.obj")));
     assert_eq!(before.len(), after.len());
     let mut moved = std::collections::HashMap::new();
     for (old, new) in before.iter().zip(&after) {
@@ -97,4 +104,39 @@ fn a_seam_does_not_tear() {
     assert!(far > before.len() * 9 / 10, "{far} vertices have moved");
     let (good, said) = run(here, &["deform", "head", "-e", "point += Du(point)", "-o", "c.obj"]);
     assert!(!good && said.contains("Vertices have no such neighbours"), "{said}");
+}
+
+#[test]
+fn far_meshes_are_reported_and_recentered() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let text = "v 448262.1 4649776.5 0\nv 448264.1 4649776.5 0\nv 448264.1 4649778.5 0\nv 448262.1 4649778.5 0\nf 1 2 3 4\n";
+    std::fs::write(here.join("far.obj"), text).unwrap();
+    let run = |words: &[&str]| {
+        let output = Command::cargo_bin("pse").unwrap().args(words).current_dir(here).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{said}");
+        said + &String::from_utf8_lossy(&output.stdout)
+    };
+    let said = run(&["scene", "--mesh", "far.obj", "-o", "a.exr", "--size", "16x16"]);
+    assert!(said.contains("`point`, in 32 bits, has steps of 0.5. Add --recenter"), "{said}");
+    let said = run(&["scene", "--mesh", "far.obj", "--recenter", "-o", "b.exr", "--size", "16x16"]);
+    assert!(said.contains("what was at 448263.1,0,4649777.5 is at the origin"), "{said}");
+    assert!(!said.contains("steps of"), "{said}");
+    let said = run(&["info", "b.exr"]);
+    assert!(said.contains("point"), "{said}");
+    let hash = |more: &[&str]| {
+        run(&[&["run", "-e", "color = point", "--mesh", "far.obj", "--size", "16x16", "--hash", "-q"], more]
+            .concat())
+    };
+    assert_eq!(hash(&["--recenter"]), hash(&["--recenter=448263.1,0,4649777.5"]));
+    assert_ne!(hash(&["--recenter"]), hash(&[]));
+
+    let said = run(&["deform", "far.obj", "-e", "point = point", "-o", "same.obj"]);
+    assert!(said.contains("Add --recenter"), "{said}");
+    assert_eq!(std::fs::read_to_string(here.join("same.obj")).unwrap(), format!("o mesh\n{text}"));
+    let said = run(&["deform", "far.obj", "-e", "point += [0.01 0 0]", "-o", "right.obj", "--recenter"]);
+    assert!(!said.contains("Add --recenter"), "{said}");
+    let [x, y, z] = points(&here.join("right.obj"))[0];
+    assert!((x - 448_262.11).abs() < 1e-7 && [y, z] == [4_649_776.5, 0.0], "{x} {y} {z}");
 }

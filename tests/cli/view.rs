@@ -8,9 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
 
-#[path = "view/files.rs"]
 mod files;
-#[path = "view/requests.rs"]
 mod requests;
 
 /// A preview of a program in a folder of its own.

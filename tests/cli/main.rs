@@ -4,43 +4,36 @@ use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-#[path = "cli/alpha.rs"]
 mod alpha;
-#[path = "cli/bands.rs"]
 mod bands;
-#[path = "cli/camera.rs"]
 mod camera;
-#[path = "cli/exr.rs"]
+#[cfg(unix)]
+mod examples;
 mod exr;
-#[path = "cli/files.rs"]
+#[cfg(unix)]
+mod faults;
 mod files;
-#[path = "cli/flow.rs"]
 mod flow;
-#[path = "cli/frames.rs"]
+mod formats;
 mod frames;
-#[path = "cli/habits.rs"]
 mod habits;
-#[path = "cli/job.rs"]
+mod hostile;
 mod job;
-#[path = "cli/many.rs"]
+mod lsp;
 mod many;
-#[path = "cli/messages.rs"]
+mod mesh;
 mod messages;
-#[path = "cli/names.rs"]
 mod names;
-#[path = "cli/noise.rs"]
 mod noise;
-#[path = "cli/outputs.rs"]
 mod outputs;
-#[path = "cli/run.rs"]
+mod repl;
 mod run;
-#[path = "cli/samples.rs"]
 mod samples;
-#[path = "cli/textures.rs"]
+mod solid;
 mod textures;
-#[path = "cli/tiles.rs"]
 mod tiles;
-#[path = "cli/words.rs"]
+mod trace;
+mod view;
 mod words;
 
 /// A folder of its own for a test.

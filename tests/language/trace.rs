@@ -1,11 +1,7 @@
-//! What happens at a pixel: as data from the library, and as text and JSON from `pse trace`. And `print`, which tells of
-//! pixels in a run.
+//! What happens at a pixel, as data from the library. And `print`, which reports pixels in a run.
 // The images are this machine's own on both sides of each comparison.
 #![allow(clippy::disallowed_methods)]
 
-#[path = "trace/command.rs"]
-mod command;
-#[path = "trace/print.rs"]
 mod print;
 
 use pse::Disk;

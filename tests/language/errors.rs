@@ -1,7 +1,7 @@
 //! What a user reads after a mistake: every program below `tests/errors/` is wrong in the way its file name says,
 //! and stands beside the messages that it gets. The folders are the stages that find the fault.
 //!
-//! After a change on purpose, rewrite the messages with `INSTA_UPDATE=always cargo test --test errors`, and read them.
+//! After a change on purpose, rewrite the messages with `INSTA_UPDATE=always cargo test --test language errors`, and read them.
 
 use pse::Origin;
 use pse::internal::diagnostic::{Sources, Style};
@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Snapshots the messages of every program in a folder; `check` gives the rendered errors of one.
 fn messages(folder: &str, check: fn(&str, &str) -> String) {
-    insta::glob!("errors", &format!("{folder}/*.pse"), |path| {
+    insta::glob!("../errors", &format!("{folder}/*.pse"), |path| {
         let name = path.file_name().expect("a file").to_string_lossy();
         let text = std::fs::read_to_string(path).expect("the file can be read");
         let rendered = check(&name, &text);

@@ -1,7 +1,6 @@
 //! Runs `examples/*.pse` by the command lines in their head comments, at a small size, and compares the pictures
-//! with those in `tests/pictures`, bit for bit. `UPDATE=1 cargo test --release --test examples` rewrites them:
+//! with those in `tests/pictures`, bit for bit. `UPDATE=1 cargo test --release --test cli examples` rewrites them:
 //! look at them before you keep them. `tests/digests.txt` has digests of what they compute, before it is encoded.
-#![cfg(unix)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,0 +1,6 @@
+//! Views of scenes, meshes and solids.
+
+mod mesh;
+mod silhouettes;
+mod solid;
+mod spaces;

@@ -1,0 +1,14 @@
+//! The language and its engine: programs and what comes of them, messages, documentation.
+
+mod batches;
+mod derivatives;
+mod docs;
+mod editors;
+mod errors;
+mod host;
+mod paper;
+mod patterns;
+mod programs;
+mod reference;
+mod samples;
+mod trace;
