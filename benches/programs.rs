@@ -197,7 +197,7 @@ fn shown(nanoseconds: f64) -> String {
 /// Every workload and its Rust in turns, as a table.
 fn report() -> String {
     const ROUNDS: usize = 15;
-    let header = ["", "1 thread", "2 threads", "1 / 2", "in Rust", "ratio", "wanted"];
+    let header = ["", "1 thread", "2 threads", "1 / 2", "in Rust", "ratio", "target"];
     let torus = torus();
     let (mixed, pictures) = (mixed(&torus), pictures());
     let rows = WORKLOADS.iter().map(|workload| {
