@@ -26,40 +26,43 @@ fn group(file: &str) -> String {
 
 /// The words of the language that cannot be names, and what each does.
 pub static KEYWORDS: &[(&str, &str)] = &[
-    ("if", "Runs its block where the condition is not 0; `if begin_frame` once a frame, before any pixel."),
-    ("else", "What is run where the conditions above do not hold; `else if` asks another one."),
-    ("while", "Runs its block again and again, as long as the condition is not 0."),
+    (
+        "if",
+        "Runs its block where the condition is not 0. `if begin_frame` runs once per frame, before any pixel.",
+    ),
+    ("else", "Runs its block where the conditions above are 0; `else if` tests another condition."),
+    ("while", "Repeats its block while the condition is not 0."),
     ("for", "Runs its block for each element of a vector: `for i in [1 .. 5]`."),
     ("in", "Between a loop's variable and its vector, or a param and the range of its values."),
     ("break", "Leaves the loop."),
-    ("continue", "Goes on with the loop's next round."),
+    ("continue", "Continues with the next iteration of the loop."),
     ("function", "Defines a function, whose block is below: `function twice(x)`."),
     ("return", "Leaves the function with a value."),
-    ("param", "A value that can be set from outside: `param veins = 7 in [0 20]`."),
-    ("import", "Brings the functions and params of another file: `import \"stone.pse\"`."),
+    ("param", "Declares a value that can be set from outside: `param veins = 7 in [0 20]`."),
+    ("import", "Makes the functions and params of another file available: `import \"stone.pse\"`."),
 ];
 
 /// The spaces that images and scenes know, as `transform` names them.
 pub static SPACES: &[(&str, &str)] = &[
     ("world", "the space of point"),
-    ("camera", "where the camera is at the origin"),
+    ("camera", "the camera at the origin"),
     ("screen", "the picture: x and y from 0 to 1"),
 ];
 
 /// What G-buffers usually hold, in the order of `names::USUAL_INPUTS`.
 static INPUTS: &[(&str, &str)] = &[
-    ("surface", "the number of the surface that is seen, 0 where there is none"),
-    ("point", "where the surface is, a point in space"),
-    ("normal", "which way the surface faces, a unit vector"),
-    ("uv", "where on the surface, in its own coordinates"),
+    ("surface", "the number of the visible surface, 0 where there is none"),
+    ("point", "the visible point in space"),
+    ("normal", "the unit normal of the surface"),
+    ("uv", "the surface's texture coordinates"),
     ("depth", "the distance along the view axis"),
     ("color", "the image's own colour, linear"),
-    ("alpha", "how much of the pixel is covered"),
-    ("albedo", "the surface's colour without light"),
-    ("motion", "how far the surface moves in the picture"),
+    ("alpha", "the covered part of the pixel, 0 to 1"),
+    ("albedo", "the surface's colour without lightinging"),
+    ("motion", "the motion of the surface in the picture"),
     ("I", "the direction from the eye through the pixel"),
-    ("dPdu", "how point changes with the first of uv"),
-    ("dPdv", "how point changes with the second of uv"),
+    ("dPdu", "the derivative of point with respect to uv.x"),
+    ("dPdv", "the derivative of point with respect to uv.y"),
 ];
 
 /// The names that are no functions, under their headings, each with what it is.

@@ -70,7 +70,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "abs",
         params: &[Param::new("x")],
-        brief: "The number without its sign.",
+        brief: "The absolute value.",
         doc: "",
         examples: &[ex("abs(-2)", "2"), ex("abs([-1 2])", "[1 2]")],
         kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, f32::abs)),
@@ -86,7 +86,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "floor",
         params: &[Param::new("x")],
-        brief: "The largest whole number that is not above x.",
+        brief: "The largest whole number not above x.",
         doc: "",
         examples: &[ex("floor([1.7 -1.2])", "[1 -2]")],
         kernel: Kernel::Map1(math::floor_lanes),
@@ -94,7 +94,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "ceil",
         params: &[Param::new("x")],
-        brief: "The smallest whole number that is not below x.",
+        brief: "The smallest whole number not below x.",
         doc: "",
         examples: &[ex("ceil([1.2 -1.7])", "[2 -1]")],
         kernel: Kernel::Map1(math::ceil_lanes),
@@ -110,7 +110,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "trunc",
         params: &[Param::new("x")],
-        brief: "The whole number next to x on the way to zero.",
+        brief: "The whole part of x: rounds towards zero.",
         doc: "",
         examples: &[ex("trunc([1.7 -1.7])", "[1 -1]")],
         kernel: Kernel::Map1(math::trunc_lanes),
@@ -118,9 +118,9 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "frac",
         params: &[Param::new("x"), Param::or("width", "0")],
-        brief: "How far x lies above the whole number below it: `x - floor(x)`.",
-        doc: "At least 0, for a negative x too, so that `frac` repeats with period 1 everywhere. With a width, the mean \
-              of that sawtooth over so much of x, as in [step](#step): a wide one comes to 1/2.",
+        brief: "The fractional part: `x - floor(x)`.",
+        doc: "At least 0, also for a negative x, so `frac` repeats with period 1 everywhere. With a width, the mean \
+              of this sawtooth over that width, as in [step](#step); a large width gives 1/2.",
         examples: &[ex("frac([1.75 -0.25])", "[0.75 0.75]"), ex("frac(1, width = 0.5)", "0.5")],
         kernel: Kernel::Map2(steps::frac),
     },
@@ -157,9 +157,9 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "clamp",
         params: &[Param::new("x"), Param::or("low", "0"), Param::or("high", "1")],
-        brief: "x, but no less than low and no more than high.",
-        doc: "NaN stays NaN. If low is above high, it is low below low and high elsewhere \
-              (Peachey, *Texturing and Modeling*, chapter 2).",
+        brief: "Limits x to the range from low to high.",
+        doc: "NaN stays NaN. If low is above high, the result is low below low and high elsewhere (Peachey, \
+              *Texturing and Modeling*, chapter 2).",
         examples: &[ex("clamp([-1 0.5 3])", "[0 0.5 1]"), ex("clamp(7, 2, 5)", "5")],
         kernel: Kernel::Maps(|isa, args, out| map3(isa, args[0], args[1], args[2], out, clamp)),
     },
@@ -255,7 +255,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "isfinite",
         params: &[Param::new("x")],
-        brief: "1 if x is a number proper, 0 if it is infinite or NaN.",
+        brief: "1 if x is neither infinite nor NaN, else 0.",
         doc: "",
         examples: &[ex("isfinite([1/0 sqrt(-1) 1])", "[0 0 1]")],
         kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, |x| f32::from(x.is_finite()))),

@@ -136,8 +136,8 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "luminance",
         params: &[Param::new("color")],
-        brief: "How bright a colour of linear light looks.",
-        doc: "`0.2126 R + 0.7152 G + 0.0722 B` (Rec. 709). A scalar is a grey, and stays as it is; an alpha is \
+        brief: "The luminance of a colour in linear light.",
+        doc: "`0.2126 R + 0.7152 G + 0.0722 B` (Rec. 709). A scalar is a grey and is returned unchanged; an alpha is \
               ignored.",
         examples: &[ex("luminance([1 1 1])", "1"), ex("luminance([0 1 0])", "0.7152")],
         kernel: Kernel::Whole(luminance),
@@ -146,9 +146,9 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "hsv_to_rgb",
         params: &[Param::new("hsv")],
         brief: "The colour with this hue, saturation and value.",
-        doc: "The hue counts turns: 0 red, 1/3 green, 2/3 blue, 1 red again, and so on in both directions. Saturation \
-              and value lie between 0 and 1; a value above 1 is a brighter light (Smith, *Color Gamut Transform \
-              Pairs*, 1978).",
+        doc: "The hue counts turns: 0 red, 1/3 green, 2/3 blue, 1 red again, and so on in both directions. \
+              Saturation and value are between 0 and 1; a value above 1 is a brighter light (Smith, *Color Gamut \
+              Transform Pairs*, 1978).",
         examples: &[ex("hsv_to_rgb([1/3 1 1])", "[0 1 0]"), ex("hsv_to_rgb([0.5 0.5 0.8])", "[0.4 0.8 0.8]")],
         kernel: Kernel::Whole(|call| on_colors(call, "hsv_to_rgb", hsv_to_rgb)),
     },
@@ -164,7 +164,7 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "hsl_to_rgb",
         params: &[Param::new("hsl")],
         brief: "The colour with this hue, saturation and lightness.",
-        doc: "The hue counts turns, as in [hsv_to_rgb](#hsv_to_rgb); lightness goes from 0, black, to 1, white.",
+        doc: "The hue counts turns, as in [hsv_to_rgb](#hsv_to_rgb); lightness is from 0, black, to 1, white.",
         examples: &[ex("hsl_to_rgb([1/3 1 0.5])", "[0 1 0]"), ex("hsl_to_rgb([0 1 0.75])", "[1 0.5 0.5]")],
         kernel: Kernel::Whole(|call| on_colors(call, "hsl_to_rgb", hsl_to_rgb)),
     },
@@ -179,17 +179,17 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "srgb_to_linear",
         params: &[Param::new("x")],
-        brief: "Linear light from numbers as sRGB files hold them, from 0 to 1.",
+        brief: "Decodes sRGB values, 0 to 1, to linear light.",
         doc: "Component by component, an alpha too (which sRGB does not encode: apply it to the first three). Below \
-              zero the curve is mirrored (IEC 61966-2-1). Pictures are converted when they are read and written; this \
-              is for colours picked in other programs.",
+              zero the curve is mirrored (IEC 61966-2-1). Pictures are converted automatically when read and \
+              written; use this for colours picked in other programs.",
         examples: &[ex("srgb_to_linear([0 0.5 1])", "[0 0.21404114 1]")],
         kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, decode)),
     },
     Builtin {
         name: "linear_to_srgb",
         params: &[Param::new("x")],
-        brief: "Numbers as sRGB files hold them, from linear light.",
+        brief: "Encodes linear light as sRGB values.",
         doc: "The inverse of [srgb_to_linear](#srgb_to_linear).",
         examples: &[ex("linear_to_srgb([0 0.21404114 1])", "[0 0.5 1]")],
         kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, encode)),
@@ -198,10 +198,10 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "blackbody",
         params: &[Param::new("kelvin")],
         brief: "The colour of a body that glows at this temperature, in kelvins.",
-        doc: "In linear light, scaled so that its largest component is 1: multiply by the brightness that you want \
-              (a black body's grows with the fourth power of its temperature). Candle flame 1900, light bulb 2800, \
-              noon sun 5800, blue sky 12000. Below 1000 it is the colour at 1000; what red there is beyond Rec. 709 is \
-              cut off. From Krystek's approximation of the Planckian locus, 1985, good to 15000 and plausible beyond.",
+        doc: "In linear light, scaled so that its largest component is 1: multiply it by a brightness (that of a \
+              black body grows with the fourth power of its temperature). Candle flame 1900, light bulb 2800, noon \
+              sun 5800, blue sky 12000. Below 1000 the colour is that at 1000; red outside Rec. 709 is clipped. From \
+              Krystek's approximation of the Planckian locus, 1985, good to 15000 and plausible beyond.",
         examples: &[ex("blackbody(1000)[1]", "1"), ex("blackbody(20000)[3]", "1")],
         kernel: Kernel::Whole(blackbodies),
     },

@@ -94,11 +94,12 @@ pub(super) const FUNCTIONS: &[Builtin] = &[
         name: "Du",
         params: E,
         brief: "The change of an expression from this pixel to the next one of its row.",
-        doc: "The whole program is run for the pixel and, beside it, with the input variables of the neighbour; the \
-              neighbour's *shadow* follows the pixel's own way through conditions and loops, so that the two values \
-              can be compared. A neighbour on another `surface`, or behind a silhouette of the same one, does not \
-              count: then the change is taken from the neighbour on the other side, and without one it is 0. A \
-              derivative is the same in the shadows, so that `Du(Du(e))` is 0. What is the same for the whole frame has none.",
+        doc: "The whole program is also run with the input variables of the neighbour, in a *helper lane* that \
+              follows the pixel's path through conditions and loops; the change is the difference of the two values. \
+              A neighbour on another `surface`, or behind a silhouette of the same one, does not count: the \
+              neighbour on the other side is used instead, and without one the change is 0. A derivative is the same \
+              in the helper lanes, so `Du(Du(e))` is 0. The derivative of a value that is the same for the whole \
+              frame is 0.",
         examples: &[ex("Du(3)", "0")],
         kernel: Kernel::Shadowed(along_row),
     },
@@ -114,18 +115,18 @@ pub(super) const FUNCTIONS: &[Builtin] = &[
         name: "filterwidth",
         params: E,
         brief: "How much an expression changes over a pixel: `abs(Du(e)) + abs(Dv(e))`.",
-        doc: "The width that a filter of `e` needs so that nothing finer than a pixel is left. Component by component. \
-              See `Du`.",
+        doc: "The filter width that removes detail of `e` finer than a pixel. Component by component. See `Du`.",
         examples: &[ex("filterwidth(3)", "0")],
         kernel: Kernel::Shadowed(filterwidth),
     },
     Builtin {
         name: "calculatenormal",
         params: &[Param::new("p")],
-        brief: "The unit normal of the surface on which the points `p` lie, on the side that the eye sees.",
+        brief: "The unit normal of the surface through the points `p`, on the side of the eye.",
         doc: "`direction(cross(Dv(p), Du(p)))`: the normal of a surface that was displaced, as in Blinn's bump \
-              mapping: `normal = calculatenormal(point + 0.1 * Noise(8 * point) * normal)`. Where `p` does not change \
-              it is `[0 0 0]`. Taken from differences of neighbours, it is the normal of a facet half a pixel away.",
+              mapping: `normal = calculatenormal(point + 0.1 * Noise(8 * point) * normal)`. Where `p` does not \
+              change, the result is `[0 0 0]`. Because it uses differences between neighbours, it is the normal of a \
+              facet half a pixel away.",
         examples: &[ex("calculatenormal([1 2 3])", "[0 0 0]")],
         kernel: Kernel::Shadowed(calculatenormal),
     },

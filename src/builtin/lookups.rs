@@ -222,23 +222,21 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "texture",
         params: &TEXTURE,
-        brief: "The colour of an image at s and t, which go from 0 to 1 over it.",
-        doc: "s goes along the columns, t up the rows: `[0 0]` is the bottom left corner, as `uv` has it. \
-              `texture(\"wood.png\", uv)` takes both in one vector. An image with one channel gives a scalar, a coloured \
-              one `[red green blue]`, linear as all colours. `channel` names another variable or channel of the file, as \
-              `pse info` lists them (`\"alpha\"`, `\"point\"`, `\"ViewLayer.Position.X\"`), or \
-              `\"rgba\"`: the colour with alpha. `encoding = \"raw\"` takes PNG and the like as they are stored, \
-              for normals and masks. \
-              `width` is how much of the image to take the mean of, in the units of s and t: a scalar or \
-              `[width_s width_t]`, and may differ from pixel to pixel. 0 is no wider than a texel. If it is not given, it \
-              is what the pixel covers, from the change of s and t to the neighbouring pixels (see [Du](#Du)). \
-              `filter`: `\"mip\"` takes the mean from a mip map, several times side by side where one width is much \
-              larger; `\"sat\"` takes the exact mean over a box, from a summed-area table, and needs three times the \
-              memory. `\"nearest\"`, `\"bilinear\"` and `\"cubic\"` (a B-spline, a little soft) look at 1, 4 and 16 texels \
-              of the image itself and know no width. \
-              `wrap` is what lies beyond 0 … 1: the image again, black, its edge, or the image mirrored; `wrap_t` \
-              says it for t alone. Files are looked for beside the program, then in the folders of `--path` (Peachey, \
-              *Texturing and Modeling*, chapter 2; Williams 1983; Crow 1984).",
+        brief: "The colour of an image at the coordinates s and t, from 0 to 1.",
+        doc: "s runs along the columns and t up the rows; `[0 0]` is the bottom left corner, as in `uv`. \
+              `texture(\"wood.png\", uv)` passes both in one vector. An image with one channel gives a scalar, a \
+              coloured one `[red green blue]` in linear light. `channel` names another variable or channel of the \
+              file, as `pse info` lists them (`\"alpha\"`, `\"point\"`, `\"ViewLayer.Position.X\"`), or `\"rgba\"`: \
+              the colour with alpha. `encoding = \"raw\"` reads pictures such as PNG without sRGB decoding, for \
+              normals and masks. `width` is the size of the filter in units of s and t: a scalar or `[width_s \
+              width_t]`, which can differ from pixel to pixel. 0 means one texel. By default it is what the pixel \
+              covers, from the change of s and t to the neighbouring pixels (see [Du](#Du)). `filter`: `\"mip\"` \
+              takes the mean from a mip map, several times side by side where one width is much larger; `\"sat\"` \
+              takes the exact mean over a box, from a summed-area table, and needs three times the memory. \
+              `\"nearest\"`, `\"bilinear\"` and `\"cubic\"` (a B-spline, a little soft) read 1, 4 and 16 texels of \
+              the image itself and ignore the width. `wrap` sets what is outside 0 … 1: the image again, black, its \
+              edge, or the image mirrored; `wrap_t` sets it for t only. Files are searched beside the program, then \
+              in the folders of `--path` (Peachey, *Texturing and Modeling*, chapter 2; Williams 1983; Crow 1984).",
         examples: &[
             ex("texture(\"earth.png\", 0.25, 0.5) - texture(\"earth.png\", [1.25 0.5])", "[0 0 0]"),
             ex("texture(\"earth.png\", 0.5, 2, wrap = \"black\")", "[0 0 0]"),
@@ -249,18 +247,17 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "environment",
         params: &ENVIRONMENT,
-        brief: "The colour of what is around, in a direction: a reflection map.",
+        brief: "The colour of the surroundings in a direction: a reflection map.",
         doc: "`environment(\"sky.exr\", reflect(I, normal))`. The direction is a vector of 3 of any length but 0. \
-              `layout = \"latlong\"`: longitude goes along the columns, latitude up the rows. With y up, the middle of \
-              the image is seen towards +z and to the right of it comes -x, as OSL has it; with `up = \"z\"`, as \
-              `point` has it, the middle is +x and to the right of it comes -y, as in Blender. \
-              `layout = \"cube\"`: six square sides +x -x +y -y +z -z, oriented as those of OpenGL, in a row (6 x 1), a \
-              column (1 x 6), two rows (3 x 2), or a cross (4 x 3, with -x +z +x -z in its row; 3 x 4, with +y +z -y \
-              and -z upside down in its column); the image's proportions tell which. \
-              `width` is the angle of the cone that is looked at, in radians: the wider, the blunter the mirror. If it \
-              is not given, it is the angle to the directions of the neighbouring pixels. \
-              `filter`, `channel` and `encoding` are those of [texture](#texture); a cube has no `\"sat\"` (Blinn and \
-              Newell 1976; Greene 1986).",
+              `layout = \"latlong\"`: longitude runs along the columns, latitude up the rows. With y up, the middle \
+              of the image is at +z and -x is to its right, as in OSL; with `up = \"z\"`, as for `point`, the middle \
+              is +x and -y is to its right, as in Blender. `layout = \"cube\"`: six square sides +x -x +y -y +z -z, \
+              oriented as those of OpenGL, in a row (6 x 1), a column (1 x 6), two rows (3 x 2), or a cross (4 x 3, \
+              with -x +z +x -z in its row; 3 x 4, with +y +z -y and -z upside down in its column); the image's \
+              proportions decide. `width` is the angle of the cone to average over, in radians: a wider cone gives a \
+              blurrier reflection. By default it is the angle to the directions of the neighbouring pixels. \
+              `filter`, `channel` and `encoding` are those of [texture](#texture); a cube has no `\"sat\"` (Blinn \
+              and Newell 1976; Greene 1986).",
         examples: &[
             ex("environment(\"earth.png\", [0 0 1]) - texture(\"earth.png\", 0.5, 0.5)", "[0 0 0]"),
             ex(
@@ -278,11 +275,12 @@ pub static FUNCTIONS: &[Builtin] = &[
             Param::or("width", "0"),
             Param::choice("wrap", &["clamp", "periodic"]),
         ],
-        brief: "The vector v looked up at x, which goes from 0 to 1 over it; linear between its elements.",
-        doc: "The elements are scalars, or vectors of one shape, evenly spaced: the first at 0, the last at 1. Beyond them \
-              their values go on. With `wrap = \"periodic\"` the first comes again at 1, after the last. v may differ from \
-              pixel to pixel. `width` takes the exact mean over that much of x. A vector of xs gives a vector of values. \
-              [linear](#linear) and [spline](#spline) are curves through knots that are arguments.",
+        brief: "The vector v looked up at x, from 0 to 1; linear between its elements.",
+        doc: "The elements are scalars, or vectors of one shape, evenly spaced: the first at 0, the last at 1. \
+              Outside 0 … 1 the end values continue. With `wrap = \"periodic\"` the first element follows the last, \
+              at 1. v may differ from pixel to pixel. `width` takes the exact mean over that much of x. A vector of \
+              values for x gives a vector of results. [linear](#linear) and [spline](#spline) interpolate knots \
+              given as arguments.",
         examples: &[
             ex("table([10 20 40], 0.25)", "15"),
             ex("table([10 20 40], [-1 0.5 2])", "[10 20 40]"),

@@ -298,13 +298,13 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "transform",
         params: &[Param::new("m"), Param::new("p")],
-        brief: "The point p moved by the matrix m.",
+        brief: "Transforms the point p by the matrix m.",
         doc: "A matrix is a vector of rows, and points are columns: the result is `m p`. A point with one component \
-              less than m has rows is given a 1 at its end, and the result is divided by its last component \
-              (perspective): so a matrix of 4 moves, turns and projects points in space, one of 3 points in the \
-              plane. A vector with as many components as m has rows is just multiplied. Of a vector of points, each \
-              is moved. Instead of m there may stand the name of a space, or of two: `transform(\"camera\", p)`, \
-              `transform(\"object\", \"camera\", p)` (see *Spaces* in docs/language.md).",
+              less than m has rows gets a 1 at its end, and the result is divided by its last component \
+              (perspective). So a matrix of 4 rows moves, rotates and projects points in space, and one of 3 rows \
+              points in the plane. A vector with as many components as m has rows is only multiplied. In a vector of \
+              points, each is transformed. Instead of m you can give the name of a space, or of two: \
+              `transform(\"camera\", p)`, `transform(\"object\", \"camera\", p)` (see *Spaces* in docs/language.md).",
         examples: &[
             ex("transform(translation([1 2 3]), [10 20 30])", "[11 22 33]"),
             ex("transform([[0 -1] [1 0]], [1 0])", "[0 1]"),
@@ -315,7 +315,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "vtransform",
         params: &[Param::new("m"), Param::new("v")],
-        brief: "The direction v turned and scaled by the matrix m, without its translation.",
+        brief: "Transforms the direction v by the matrix m, without its translation.",
         doc: "v has one component less than m has rows, or as many. See [transform](#transform).",
         examples: &[ex("vtransform(translation([1 2 3]), [10 20 30])", "[10 20 30]")],
         kernel: Kernel::Whole(vtransform),
@@ -323,18 +323,18 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "ntransform",
         params: &[Param::new("m"), Param::new("n")],
-        brief: "The normal n of a surface that the matrix m moves.",
-        doc: "By the inverse transpose of m without its translation, so that it stays at right angles to the surface \
-              where m stretches it. Its length is not kept: take its [direction](#direction).",
+        brief: "Transforms the normal n of a surface by the matrix m.",
+        doc: "Uses the inverse transpose of m without its translation, so the normal stays at right angles to the \
+              surface where m stretches it. Its length changes: take its [direction](#direction).",
         examples: &[ex("ntransform(scaling([2 1 1]), [1 1 0])", "[0.5 1 0]")],
         kernel: Kernel::Whole(ntransform),
     },
     Builtin {
         name: "multiply",
         params: &[Param::rest("m", 2)],
-        brief: "The product of matrices, which does the last one first.",
+        brief: "The product of matrices; the last one applies first.",
         doc: "`transform(multiply(a, b), p)` is `transform(a, transform(b, p))`. (`a * b` multiplies component by \
-              component.) The last argument may be a vector: a column. Any sizes that fit.",
+              component.) The last argument can be a vector (a column). The sizes must fit.",
         examples: &[
             ex("multiply([[1 2] [3 4]], [[0 1] [1 0]])", "[[2 1] [4 3]]"),
             ex("multiply([[1 2] [3 4]], [1 1])", "[3 7]"),
@@ -345,15 +345,14 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "inverse",
         params: &[Param::new("m")],
         brief: "The matrix that undoes m.",
-        doc: "Of 2, 3 or 4 rows and columns. A matrix that cannot be undone (with determinant 0) gives infinities and \
-              NaNs.",
+        doc: "Of 2, 3 or 4 rows and columns. A singular matrix (determinant 0) gives infinities and NaNs.",
         examples: &[ex("inverse([[2 0] [0 4]])", "[[0.5 0] [0 0.25]]")],
         kernel: Kernel::Whole(inverse),
     },
     Builtin {
         name: "transpose",
         params: &[Param::new("m")],
-        brief: "The matrix with rows for columns.",
+        brief: "The matrix with rows and columns exchanged.",
         doc: "",
         examples: &[ex("transpose([[1 2 3] [4 5 6]])", "[[1 4] [2 5] [3 6]]")],
         kernel: Kernel::Whole(transpose),
@@ -361,7 +360,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "determinant",
         params: &[Param::new("m")],
-        brief: "By how much the matrix m scales areas (2 rows) or volumes (3 rows).",
+        brief: "The factor by which the matrix m scales areas (2 rows) or volumes (3 rows).",
         doc: "Of 2, 3 or 4 rows and columns. Negative if m mirrors, 0 if m flattens.",
         examples: &[ex("determinant([[1 2] [3 4]])", "-2"), ex("determinant(scaling(2))", "8")],
         kernel: Kernel::Whole(determinant),
@@ -369,7 +368,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "identity",
         params: &[Param::or("n", "4")],
-        brief: "The matrix of n rows that changes nothing.",
+        brief: "The identity matrix of n rows.",
         doc: "",
         examples: &[ex("identity(2)", "[[1 0] [0 1]]")],
         kernel: Kernel::Whole(identity),
@@ -385,7 +384,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "scaling",
         params: &[Param::new("s")],
-        brief: "The matrix that makes things s times as large.",
+        brief: "The matrix that scales by s.",
         doc: "Of 4 rows for a scalar or an s of 3 components, one for each axis; of 3 rows, for points in the plane, \
               for an s of 2.",
         examples: &[ex("scaling([2 3])", "[[2 0 0] [0 3 0] [0 0 1]]")],
@@ -394,8 +393,8 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "rotation",
         params: &[Param::new("angle"), Param::or("axis", "[0 0 1]")],
-        brief: "The matrix of 4 rows that turns points about an axis, by an angle in radians.",
-        doc: "As [rotate](#rotate) turns them: counterclockwise, looking against the axis.",
+        brief: "The matrix of 4 rows that rotates points about an axis, by an angle in radians.",
+        doc: "Like [rotate](#rotate): counterclockwise, looking against the axis.",
         examples: &[ex("transform(rotation(pi/2), [1 0 0])", "[0 1 0]")],
         kernel: Kernel::Whole(rotation),
     },

@@ -127,11 +127,11 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "Noise",
         params: &PARAMS,
         brief: "A smooth random number for a point: Perlin's Noise().",
-        doc: "With details of about size 1; it looks the same everywhere. p is a scalar or a vector of 2, 3 or 4 (time, \
-              say); of a vector of points it gives the noise of each. Plain `Noise(p)` is that of the paper, signed, \
-              random at lattice points. [noise.md](noise.md) shows all kinds, with what each promises and which to \
-              use. Each seed is another noise of the same kind. What else there is depends on the kind, and is the \
-              kind's own default if not given.",
+        doc: "Its details have a size of about 1, and it looks the same everywhere. p is a scalar or a vector of 2, \
+              3 or 4 (for example with time); for a vector of points it gives the noise of each. Plain `Noise(p)` is \
+              that of the paper, signed, random at lattice points. [noise.md](noise.md) shows all kinds, their \
+              properties, and which to use. Each seed gives a different noise of the same kind. The other parameters \
+              depend on the kind, and so do their defaults.",
         examples: &[
             ex("Noise([1 2 3], kind = \"gradient\")", "0"),
             ex("Noise([0.3 0.4]) - Noise([0.3 0.4], seed = 0)", "0"),
@@ -142,7 +142,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "Dnoise",
         params: &PARAMS,
-        brief: "How fast Noise changes at a point along each axis: its gradient.",
+        brief: "The gradient of Noise at a point: its rate of change along each axis.",
         doc: "A vector with as many components as p (a scalar for a scalar): the exact derivative of \
               [Noise](#Noise) with the same arguments. `normal += Dnoise(point)` makes a surface look bumpy.",
         examples: &[
@@ -154,19 +154,19 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "Vnoise",
         params: &PARAMS,
-        brief: "A smooth random vector for a point: three unrelated noises.",
-        doc: "The first is [Noise](#Noise) with the same arguments, the others are of other seeds. To deform a shape, to \
-              shake a point, to make colours: Lewis 1989, section 5.3.",
+        brief: "A smooth random vector for a point: three independent noises.",
+        doc: "The first is [Noise](#Noise) with the same arguments; the others use other seeds. Use it to deform a \
+              shape, to perturb a point, or to make colours: Lewis 1989, section 5.3.",
         examples: &[ex("size(Vnoise(0.5))", "3"), ex("Vnoise([0.1 0.2 0.3])[1] - Noise([0.1 0.2 0.3])", "0")],
         kernel: Kernel::Whole(vnoise),
     },
     Builtin {
         name: "curl",
         params: &PARAMS,
-        brief: "A random flow that neither gathers nor spreads: the curl of noise.",
-        doc: "Of a vector of 2, a vector of 2 along the lines where [Noise](#Noise) is level; of a vector of 3, a vector \
-              of 3, the curl of [Vnoise](#Vnoise); a fourth component of p is time. It is computed from exact \
-              derivatives, so its divergence is 0.",
+        brief: "A random flow without divergence: the curl of noise.",
+        doc: "For a vector of 2, a vector of 2 along the level lines of [Noise](#Noise); for a vector of 3, the curl \
+              of [Vnoise](#Vnoise); a fourth component of p is time. It is computed from exact derivatives, so its \
+              divergence is 0.",
         examples: &[
             ex("size(curl([0.1 0.2])) + size(curl([0.1 0.2 0.3]))", "5"),
             ex("dot(curl([0.1 0.2]), Dnoise([0.1 0.2]))", "0"),
@@ -176,9 +176,9 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "random",
         params: &[Param::new("p"), Param::or("seed", "0")],
-        brief: "A random number from 0 up to 1 for a point, unrelated to that of any other.",
-        doc: "White noise: the same p always gives the same number, and the smallest change of p another one. Any \
-              number of coordinates. `random(floor(p))` is one number a cell; `random(pixel, seed = frame)` is \
+        brief: "A random number from 0 up to 1 for a point, independent of every other point.",
+        doc: "White noise: the same p always gives the same number, and any change of p a different one. p has any \
+              number of coordinates. `random(floor(p))` is one number per cell; `random(pixel, seed = frame)` is \
               grain.",
         examples: &[ex("random([1 2]) - random([1 2])", "0"), ex("random(3) >= 0 && random(3) < 1", "1")],
         kernel: Kernel::Whole(random),
@@ -186,7 +186,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "wiener_error",
         params: &ERROR_PARAMS,
-        brief: "How uncertain the interpolation of `wiener` noise is at a point: its expected squared error.",
+        brief: "The expected squared error of the interpolation of `wiener` noise at a point.",
         doc: "Relative to the variance: 0 at lattice points, where values are known, below 1 between, the same in every \
               cell and for every seed. It is 1 - cᵗC⁻¹c, the confidence measure of Lewis 1989, section 3; the square \
               root is the expected error in standard deviations. `covariance`, `width`, `frequency`, `knots` and \

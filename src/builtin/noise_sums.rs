@@ -169,13 +169,13 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "turbulence",
         params: &BAND_PARAMS,
-        brief: "The absolute noise of octaves, each twice as fine and half as large.",
-        doc: "The sum of `abs(Noise(p * f)) / f` for f = low, 2 low, 4 low … while f is below high, which is the highest \
-              frequency that the pixels can show; an octave above half of it enters in part, so that none pops up. (For \
-              samples a width w apart, give `high = 0.5 / w`.) With `high = 1 / pixelsize, fade = 0` it is the procedure in \
-              the appendix of *An Image Synthesizer*, to the bit. Not negative; at most 24 octaves, and none if low is not \
-              above 0. `lacunarity` and `gain` are by what the frequency grows and the size shrinks from octave to octave; \
-              the others are those of [Noise](#Noise).",
+        brief: "The sum of octaves of absolute noise, each of twice the frequency and half the amplitude.",
+        doc: "The sum of `abs(Noise(p * f)) / f` for f = low, 2 low, 4 low … while f is below high, which is by \
+              default the highest frequency that the pixels can show; an octave above half of it is faded, so that \
+              none appears suddenly. (For samples at a distance w, give `high = 0.5 / w`.) With `high = 1 / \
+              pixelsize, fade = 0` it is the procedure in the appendix of *An Image Synthesizer*, to the bit. Not \
+              negative; at most 24 octaves, and none if low is not above 0. `lacunarity` and `gain` are the factors \
+              of frequency and amplitude from octave to octave; the other parameters are those of [Noise](#Noise).",
         examples: &[
             ex("turbulence([0.3 0.6 0.1], high = 2) - abs(Noise([0.3 0.6 0.1]))", "0"),
             ex("turbulence(0.3, 2, 8) - abs(Noise(0.6)) / 2 - abs(Noise(1.2)) / 4", "0"),
@@ -186,9 +186,9 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "fractalsum",
         params: &BAND_PARAMS,
-        brief: "The noise of octaves, each twice as fine and half as large.",
-        doc: "As [turbulence](#turbulence), without the absolute value: signed, and without creases. Peachey, \"Spectral \
-              Synthesis\".",
+        brief: "The sum of octaves of noise, each of twice the frequency and half the amplitude.",
+        doc: "Like [turbulence](#turbulence), without the absolute value: signed, and without creases. Peachey, \
+              \"Spectral Synthesis\".",
         examples: &[
             ex("fractalsum([0.3 0.6], high = 2) - Noise([0.3 0.6])", "0"),
             ex("fractalsum(0.3, 2, 8) - Noise(0.6) / 2 - Noise(1.2) / 4", "0"),
@@ -198,10 +198,10 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "fBm",
         params: &COUNT_PARAMS,
-        brief: "Fractional Brownian motion: the sum of so many octaves of noise.",
-        doc: "`Noise(p) + gain * Noise(lacunarity * p) + gain^2 * Noise(lacunarity^2 * p) …`. Of 4.5 octaves the fifth \
-              enters by half. As with [turbulence](#turbulence), octaves that the pixels can't show are left out, and \
-              the last one fades.",
+        brief: "Fractional Brownian motion: the sum of `octaves` octaves of noise.",
+        doc: "`Noise(p) + gain * Noise(lacunarity * p) + gain^2 * Noise(lacunarity^2 * p) …`. With 4.5 octaves, the \
+              fifth is weighted by half. As with [turbulence](#turbulence), octaves that the pixels cannot show are \
+              omitted, and the last one fades.",
         examples: &[
             ex("fBm([0.3 0.6], 1, high = 9) - Noise([0.3 0.6])", "0"),
             ex("fBm(0.3, 2, high = 9) - Noise(0.3) - 0.5 * Noise(0.6)", "0"),
@@ -212,8 +212,8 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "ridged",
         params: &RIDGED_PARAMS,
         brief: "A ridged multifractal: sharp crests, rough near their tops and smooth in the valleys.",
-        doc: "Each octave is `(offset - abs(Noise))^2`, and enters in proportion to twice the octave before it, at most \
-              whole (Musgrave). For mountains, lightning, veins. Not negative. The rest as [fBm](#fBm).",
+        doc: "Each octave is `(offset - abs(Noise))^2`, weighted by twice the octave before it, at most by 1 \
+              (Musgrave). For mountains, lightning, veins. Not negative. Otherwise like [fBm](#fBm).",
         examples: &[ex("ridged([0.3 0.6], 1, high = 9) - (1 - abs(Noise([0.3 0.6])))^2", "0")],
         kernel: Kernel::Whole(|call| sum(call, Form::Ridged, &OFFSET)),
     },
@@ -221,8 +221,8 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "hybrid",
         params: &HYBRID_PARAMS,
         brief: "A hybrid multifractal: smooth in the lowlands, rough on the heights.",
-        doc: "Each octave is `Noise + offset`, and enters in proportion to the product of those before it, at most whole \
-              (Musgrave). For land that has valleys at every height. The rest as [fBm](#fBm).",
+        doc: "Each octave is `Noise + offset`, weighted by the product of the octaves before it, at most by 1 \
+              (Musgrave). For land with valleys at every height. Otherwise like [fBm](#fBm).",
         examples: &[ex("hybrid([0.3 0.6], 1, high = 9) - Noise([0.3 0.6])", "0.7")],
         kernel: Kernel::Whole(|call| sum(call, Form::Hybrid, &OFFSET)),
     },

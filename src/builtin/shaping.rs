@@ -73,26 +73,26 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "lerp",
         params: &[Param::new("a"), Param::new("b"), Param::new("t")],
         brief: "A blend: a where t is 0, b where t is 1. The same as `mix`.",
-        doc: "The amount comes last, as in most shading languages. Perlin's own code has it first; by name it may \
-              stand anywhere: `lerp(t = 0.3, a = 10, b = 20)`.",
+        doc: "The amount comes last, as in most shading languages. Perlin's own code has it first. By name, the \
+              order does not matter: `lerp(t = 0.3, a = 10, b = 20)`.",
         examples: &[ex("lerp(10, 20, 0.3)", "13")],
         kernel: Kernel::Maps(|isa, args, out| map3(isa, args[0], args[1], args[2], out, mix)),
     },
     Builtin {
         name: "bias",
         params: &[Param::new("b"), Param::new("x")],
-        brief: "Bends the unit interval so that 0.5 goes to b.",
-        doc: "`x ^ (log(b) / log(0.5))`: 0 and 1 stay, a b above 0.5 lifts what is between, one below lowers it. \
-              b lies between 0 and 1 (Perlin and Hoffert, *Hypertexture*, 1989).",
+        brief: "Maps the unit interval to itself, with 0.5 mapped to b.",
+        doc: "`x ^ (log(b) / log(0.5))`: 0 and 1 stay fixed; a b above 0.5 raises the values between, one below 0.5 \
+              lowers them. b is between 0 and 1 (Perlin and Hoffert, *Hypertexture*, 1989).",
         examples: &[ex("bias(0.25, [0 0.5 1])", "[0 0.25 1]"), ex("bias(0.5, 0.3)", "0.3")],
         kernel: Kernel::Map2(|isa, a, b, out| strips(isa, [a, b], [out], bias)),
     },
     Builtin {
         name: "gain",
         params: &[Param::new("g"), Param::new("x")],
-        brief: "Bends the unit interval into an S about 0.5.",
-        doc: "Two halves of [bias](#bias): a g above 0.5 makes the middle steeper, one below makes it flatter; \
-              0, 0.5 and 1 stay. g lies between 0 and 1 (Perlin and Hoffert, *Hypertexture*, 1989).",
+        brief: "Maps the unit interval to itself by an S-curve about 0.5.",
+        doc: "Two halves of [bias](#bias): a g above 0.5 makes the middle steeper, one below makes it flatter; 0, \
+              0.5 and 1 stay fixed. g is between 0 and 1 (Perlin and Hoffert, *Hypertexture*, 1989).",
         examples: &[
             ex("gain(0.75, [0 0.25 0.5 0.75 1])", "[0 0.125 0.5 0.875 1]"),
             ex("gain(0.5, 0.3)", "0.3"),
@@ -102,9 +102,9 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "gammacorrect",
         params: &[Param::new("gamma"), Param::new("x")],
-        brief: "`x ^ (1 / gamma)`: lifts the middle of the unit interval if gamma is above 1.",
-        doc: "Colours in image files usually want [linear_to_srgb](#linear_to_srgb), and the image writer does that \
-              by itself.",
+        brief: "`x ^ (1 / gamma)`: raises the middle of the unit interval if gamma is above 1.",
+        doc: "Colours in image files usually need [linear_to_srgb](#linear_to_srgb); pictures are encoded \
+              automatically when written.",
         examples: &[ex("gammacorrect(2, [0 0.25 1])", "[0 0.5 1]")],
         kernel: Kernel::Map2(|isa, a, b, out| strips(isa, [a, b], [out], gammacorrect)),
     },
@@ -113,8 +113,8 @@ pub static FUNCTIONS: &[Builtin] = &[
         params: &[Param::new("x")],
         brief: "A wave with sharp crests and broad troughs, from -1 to 1, with period 2 pi.",
         doc: "The height of the curve that a point on a rolling wheel draws, turned over: with x = t - sin(t) it is \
-              cos(t). Its crests, at 0 and every 2 pi, are cusps of height 1; its troughs, at pi, lie at -1; its mean \
-              is -1/2. It is the steepest shape of a water wave, and the profile of the waves of *An Image \
+              cos(t). Its crests, at 0 and every 2 pi, are cusps of height 1; its troughs, at pi, are at -1; its \
+              mean is -1/2. It is the steepest shape of a water wave, and the profile of the waves of *An Image \
               Synthesizer*: `normal += direction(v) * cycloid(norm(v))`.",
         examples: &[ex("cycloid([0 pi 2*pi])", "[1 -1 1]"), ex("cycloid(pi/2 - 1)", "0")],
         kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, cycloid)),

@@ -308,13 +308,13 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "spline",
         params: &[Param::new("t"), Param::rest("knots", 1)],
-        brief: "A smooth curve through knots, as t goes from 0 to 1.",
-        doc: "The Catmull–Rom spline of the RenderMan language: it starts at the second knot and ends at the last but \
-              one; the first and the last only set its slope there. At least 4 knots, evenly spaced in t; t is \
-              clamped to 0 … 1. The knots are scalars or vectors of one shape, one argument each, or the elements of \
-              a single vector, so a table of colours is a colour map: `spline(t, [c1 c2 c3 c4 c5])`. A scalar among \
-              vectors is used for each component. A vector of ts gives a vector of points of the curve \
-              (Peachey, *Texturing and Modeling*, chapter 2, “Splines and Mappings”).",
+        brief: "A smooth curve through knots, for t from 0 to 1.",
+        doc: "The Catmull–Rom spline of the RenderMan language: it starts at the second knot and ends at the last \
+              but one; the first and the last only set the slope at the ends. At least 4 knots, evenly spaced in t; \
+              t is clamped to 0 … 1. The knots are scalars or vectors of one shape, one argument each, or the \
+              elements of a single vector, so a table of colours is a colour map: `spline(t, [c1 c2 c3 c4 c5])`. A \
+              scalar among vectors is used for each component. A vector of values for t gives a vector of points of \
+              the curve (Peachey, *Texturing and Modeling*, chapter 2, “Splines and Mappings”).",
         examples: &[
             ex("spline(0.5, 0, 0, 1, 1)", "0.5"),
             ex("spline([0 0.5 1], [0 1 5 2 0])", "[1 5 2]"),
@@ -325,8 +325,8 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "linear",
         params: &[Param::new("t"), Param::rest("knots", 1)],
-        brief: "Straight lines through knots, as t goes from 0 to 1.",
-        doc: "It starts at the first knot and ends at the last; otherwise as [spline](#spline). One knot is a \
+        brief: "Straight lines through knots, for t from 0 to 1.",
+        doc: "It starts at the first knot and ends at the last; otherwise like [spline](#spline). One knot is a \
               constant.",
         examples: &[
             ex("linear(0.25, 10, 20, 40)", "15"),

@@ -233,9 +233,9 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "step",
         params: &[Param::new("edge"), Param::new("x"), WIDTH],
         brief: "0 where x is below the edge, 1 from the edge on.",
-        doc: "With a width other than 0 (its sign does not matter), the mean of the step over so much of x, half of it \
-              on either side: `step(edge, x, filterwidth(x))` has no jags. So it is for the other functions with a \
-              width; with a width of 0 they are sharp. An x of NaN counts as below a sharp step, and gives NaN with a \
+        doc: "With a width other than 0 (its sign does not matter), the mean of the step over that width, centred at \
+              x: `step(edge, x, filterwidth(x))` is antialiased. The other functions with a width work the same way; \
+              with a width of 0 they are sharp. An x of NaN counts as below a sharp step, and gives NaN with a \
               width. A width of NaN gives NaN.",
         examples: &[
             ex("step(0.5, [0.4 0.5 0.6])", "[0 1 1]"),
@@ -258,7 +258,7 @@ pub static FUNCTIONS: &[Builtin] = &[
         params: &[Param::new("a"), Param::new("b"), Param::new("x"), WIDTH],
         brief: "A smooth step from 0 at a to 1 at b.",
         doc: "The cubic 3t² - 2t³, with slope 0 at both ends. With a above b it falls from 1 at b to 0 at a; with a \
-              equal to b it is a step. With a width, the mean over so much of x, as in [step](#step).",
+              equal to b it is a step. With a width, the mean over that width, as in [step](#step).",
         examples: &[
             ex("smoothstep(0, 1, [-1 0.25 0.5 2])", "[0 0.15625 0.5 1]"),
             ex("smoothstep(0, 1, 0, width = 2)", "0.25"),
@@ -277,10 +277,10 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "catstep",
         params: &[Param::new("edge"), Param::new("x"), WIDTH],
-        brief: "A step filtered by a Catmull-Rom filter: a sharper edge than a box gives, that overshoots a little.",
-        doc: "The filter reaches two widths to either side; its width is that of a box of the same area and height, so \
-              that `catstep(edge, x, w)` stands where `step(edge, x, w)` would. It goes 0.07 below 0 and above 1 \
-              beside the edge (Sayre's function in Peachey, *Texturing and Modeling*, chapter 2, “Better Filters”).",
+        brief: "A step filtered by a Catmull-Rom filter: sharper than with a box filter, with a small overshoot.",
+        doc: "The filter reaches two widths to either side; its width is that of a box of the same area and height, \
+              so `catstep(edge, x, w)` can replace `step(edge, x, w)`. Beside the edge it overshoots by 0.07 below 0 \
+              and above 1 (Sayre's function in Peachey, *Texturing and Modeling*, chapter 2, “Better Filters”).",
         examples: &[ex("catstep(0, [-2 -1 0 2], width = 1)", "[0 -1/24 0.5 1]")],
         kernel: Kernel::Maps(catstep_lanes),
     },
@@ -288,9 +288,9 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "pulse",
         params: &[Param::new("a"), Param::new("b"), Param::new("x"), WIDTH],
         brief: "1 from a up to b, 0 elsewhere.",
-        doc: "`step(a, x) - step(b, x)`. With a width, the mean over so much of x, as in [step](#step). For stripes \
-              there is [pulsetrain](#pulsetrain): `pulse(0.4, 0.6, mod(x, 1))` makes sharp ones, but a width that \
-              reaches past one period would not see the next.",
+        doc: "`step(a, x) - step(b, x)`. With a width, the mean over that width, as in [step](#step). For stripes \
+              use [pulsetrain](#pulsetrain): `pulse(0.4, 0.6, mod(x, 1))` makes sharp stripes, but a width that \
+              reaches past one period would miss the next.",
         examples: &[ex("pulse(1, 2, [0.5 1 1.5 2])", "[0 1 1 0]"), ex("pulse(1, 2, 1.5, width = 4)", "0.25")],
         kernel: Kernel::Maps(pulse_lanes),
     },
@@ -298,9 +298,9 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "pulsetrain",
         params: &[Param::new("x"), Param::or("duty", "0.5"), WIDTH],
         brief: "Stripes with period 1: 1 in the first part of each, which is as long as `duty`, and 0 in the rest.",
-        doc: "`frac(x) < duty`. With a width, the exact mean over so much of x, however many stripes that holds, as in \
-              [step](#step): a wide one comes to `duty` (Peachey, *Texturing and Modeling*, chapter 2, “Integrals and \
-              Summed-Area Tables”). Stripes of period p are `pulsetrain(x / p, duty, width / p)`.",
+        doc: "`frac(x) < duty`. With a width, the exact mean over that width, even across many stripes, as in \
+              [step](#step); a large width gives `duty` (Peachey, *Texturing and Modeling*, chapter 2, “Integrals \
+              and Summed-Area Tables”). Stripes of period p are `pulsetrain(x / p, duty, width / p)`.",
         examples: &[
             ex("pulsetrain([0.25 0.75 1.25])", "[1 0 1]"),
             ex("pulsetrain([0.25 0.75], width = 1)", "[0.5 0.5]"),

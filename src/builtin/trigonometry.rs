@@ -51,8 +51,8 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "atan",
         params: &[Param::new("y"), Param::or("x", "1")],
         brief: "The angle with this tangent; of two numbers, the angle of the point (x, y).",
-        doc: "`atan(y)` lies between -pi/2 and pi/2. `atan(y, x)` lies between -pi and pi, in the right quadrant \
-              for the signs of both. Mind the order: y comes first.",
+        doc: "`atan(y)` is between -pi/2 and pi/2. `atan(y, x)` is between -pi and pi, in the quadrant given by both \
+              signs. The order is y, then x.",
         examples: &[ex("atan(1)", "pi/4"), ex("atan(1, -1)", "3*pi/4"), ex("atan(0, -1)", "pi")],
         kernel: Kernel::Map2(math::atan2_lanes),
     },
@@ -83,7 +83,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "radians",
         params: &[Param::new("degrees")],
-        brief: "An angle in degrees as radians.",
+        brief: "Converts an angle from degrees to radians.",
         doc: "",
         examples: &[ex("radians(180)", "pi")],
         kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, |x| x * (PI / 180.0))),
@@ -91,7 +91,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "degrees",
         params: &[Param::new("radians")],
-        brief: "An angle in radians as degrees.",
+        brief: "Converts an angle from radians to degrees.",
         doc: "",
         examples: &[ex("degrees(pi/2)", "90")],
         kernel: Kernel::Map1(|isa, a, out| map1(isa, a, out, |x| x * (180.0 / PI))),

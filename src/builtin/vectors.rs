@@ -203,23 +203,23 @@ pub static FUNCTIONS: &[Builtin] = &[
         name: "length",
         params: &[Param::new("v")],
         brief: "The Euclidean length of a vector, the same as `norm(v)`.",
-        doc: "As in the shading languages. How many elements a vector has is [size](#size).",
+        doc: "As in shading languages. For the number of elements, see [size](#size).",
         examples: &[ex("length([2 3 6])", "7")],
         kernel: Kernel::Whole(norm),
     },
     Builtin {
         name: "direction",
         params: &[Param::new("v")],
-        brief: "The vector of length 1 that points the same way.",
-        doc: "`v / norm(v)`, but the zero vector's direction is the zero vector, so that a pixel that shows no \
-              surface does not turn to NaN. Of a vector of vectors, the direction of each.",
+        brief: "The unit vector in the direction of v (normalize).",
+        doc: "`v / norm(v)`, except that the direction of the zero vector is the zero vector. So a pixel without a \
+              surface does not become NaN. Of a vector of vectors, the direction of each.",
         examples: &[ex("direction([3 4])", "[0.6 0.8]"), ex("direction([0 0 0])", "[0 0 0]")],
         kernel: Kernel::Whole(direction),
     },
     Builtin {
         name: "distance",
         params: &[Param::new("a"), Param::new("b")],
-        brief: "How far apart two points are: `norm(a - b)`.",
+        brief: "The distance between two points: `norm(a - b)`.",
         doc: "Of a vector of points, the distance of each.",
         examples: &[ex("distance([1 2], [4 6])", "5"), ex("distance([[3 4] [0 1]], [0 0])", "[5 1]")],
         kernel: Kernel::Whole(distance),
@@ -227,7 +227,7 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "reflect",
         params: &[Param::new("v"), Param::new("normal")],
-        brief: "The direction of v after a mirror with this normal.",
+        brief: "The direction of v after reflection at a surface with this normal.",
         doc: "v points towards the mirror; the normal must have length 1. `v - 2 * dot(normal, v) * normal`.",
         examples: &[ex("reflect([1 -1 0], [0 1 0])", "[1 1 0]")],
         kernel: Kernel::Whole(reflect),
@@ -235,10 +235,10 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "refract",
         params: &[Param::new("v"), Param::new("normal"), Param::new("ratio")],
-        brief: "The direction of v behind a surface that bends light (Snell's law).",
+        brief: "The direction of v after refraction at a surface (Snell's law).",
         doc: "v and the normal must have length 1; v points towards the surface, the normal against it. The ratio is \
-              the refractive index of the medium that v comes from over that of the one it enters: `1/1.5` from air \
-              into glass. Where all light is reflected (total internal reflection) the result is the zero vector.",
+              the refractive index of the medium that v leaves, divided by that of the medium it enters: `1/1.5` \
+              from air into glass. For total internal reflection, the result is the zero vector.",
         examples: &[
             ex("refract([0.6 -0.8 0], [0 1 0], 1)", "[0.6 -0.8 0]"),
             ex("refract([0.6 -0.8 0], [0 1 0], 1/1.5)", "[0.4 -0.9165151 0]"),
@@ -249,8 +249,8 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "faceforward",
         params: &[Param::new("normal"), Param::new("v")],
-        brief: "The normal, turned about if it points along v and not against it.",
-        doc: "For surfaces that are seen from both sides, with v the direction of view. A normal at right angles to v \
+        brief: "The normal, flipped if it points along v instead of against it.",
+        doc: "For surfaces that are visible from both sides; v is the view direction. A normal at right angles to v \
               stays as it is.",
         examples: &[
             ex("faceforward([0 0 1], [0 0 2])", "[0 0 -1]"),
@@ -261,10 +261,10 @@ pub static FUNCTIONS: &[Builtin] = &[
     Builtin {
         name: "rotate",
         params: &[Param::new("p"), Param::new("angle"), Param::or("axis", "[0 0 1]")],
-        brief: "The point p turned about an axis through the origin, by an angle in radians.",
-        doc: "Looking against the axis, a positive angle turns counterclockwise (in right-handed space). The axis may \
-              have any length; about a zero axis nothing turns. A vector of 2 turns in its plane, whatever the axis. \
-              Of a vector of points, each is turned.",
+        brief: "Rotates the point p about an axis through the origin, by an angle in radians.",
+        doc: "Looking against the axis, a positive angle turns counterclockwise (in right-handed space). The axis \
+              may have any length; a zero axis rotates nothing. A vector of 2 rotates in its plane, whatever the \
+              axis. In a vector of points, each is rotated.",
         examples: &[
             ex("rotate([1 0 0], pi/2, [0 0 1])", "[0 1 0]"),
             ex("rotate([1 2 3], 2*pi/3, [1 1 1])", "[3 1 2]"),

@@ -44,7 +44,7 @@ pub static KIND: Kind = Kind {
         lattice: "Gaussian, as everywhere",
         smoothness: Smoothness::C2,
         cost: 3.6,
-        source: "Saupe 1988 and Voss 1988, as told by Peachey, \"Fourier Spectral Synthesis\"",
+        source: "Saupe 1988 and Voss 1988, as described by Peachey, \"Fourier Spectral Synthesis\"",
         remarks: "It repeats after 512 units in one dimension, 256 in two, 32 in three. Waves have up to 3/4 \
                   cycle a unit. Its values are Gaussian: the bounds are the extremes of 300 seeds. Mean and \
                   deviation are those of a whole period. Most of the power is in the longest waves, so \

@@ -76,7 +76,7 @@ pub fn markdown() -> String {
 
 /// All options in Markdown: a table of what they mean and which kinds take them.
 pub fn options() -> String {
-    let mut text = String::from("| option | what it is | for |\n|---|---|---|\n");
+    let mut text = String::from("| option | meaning | kinds |\n|---|---|---|\n");
     for info in &OPTIONS {
         let takers = KINDS.iter().filter(|kind| kind.options.contains(&info.option));
         let takers: Vec<String> = takers.map(|kind| format!("[{0}](#{0})", kind.name)).collect();
@@ -108,7 +108,7 @@ fn meaning(option: Opt) -> String {
     let info = &OPTIONS[option as usize];
     match info.choices {
         [] => info.doc.to_string(),
-        [first, others @ ..] => format!("{}: {first} (if not given), {}", info.doc, others.join(", ")),
+        [first, others @ ..] => format!("{}: {first} (default), {}", info.doc, others.join(", ")),
     }
 }
 

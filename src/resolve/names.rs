@@ -40,14 +40,14 @@ pub static CONSTANTS: &[Constant] = &[
 /// What the system gives every program, with what it is. Those in [`FRAME`] have one value for the frame.
 pub static SYSTEM: &[(&str, &str)] = &[
     ("frame", "the number of the frame"),
-    ("begin_frame", "1 in what runs once a frame, 0 at the pixels"),
+    ("begin_frame", "1 in code that runs once per frame, 0 at the pixels"),
     ("resolution", "[columns rows] of the image"),
     ("pixel", "[column row] of this pixel, its centre at .5, rows counted from the top"),
-    ("pixelsize", "how far apart neighbouring pixels lie in the space of point, at this pixel"),
+    ("pixelsize", "the distance between neighbouring pixels in the space of point, at this pixel"),
     ("pixel_freq", "0.5 / pixelsize, the highest frequency that the pixels can show"),
     (
         "eye",
-        "where the camera's eye is, in the space of point: as an option or the image's header gives it, or found from the points",
+        "the position of the camera's eye in the space of point: from options, from the image's header, or found from the points",
     ),
 ];
 

@@ -13,12 +13,12 @@ pub const NAME: &str = "print";
 pub const SIGNATURE: &str = "print(e, …)";
 
 /// What it does, in one line.
-pub const BRIEF: &str = "Tells values and texts of the pixel that runs, on a line of standard error.";
+pub const BRIEF: &str = "Prints values and texts of the current pixel, as a line on standard error.";
 
 /// More of it, in Markdown.
-pub const DOC: &str = "It is a statement, stands alone on its line and gives no value. It takes any number of values, and \
-    texts in quotes. A run tells the lines of the first pixels, row by row: 10 if `--print N` says nothing else. \
-    `pse trace` tells those of any pixel, and `pse repl` those of the session's pixel.";
+pub const DOC: &str = "`print` is a statement: put it alone on its line; it has no value. It takes any number of values, and \
+    texts in quotes. A run prints the lines of the first pixels, row by row, 10 lines by default; `--print N` changes \
+    the number. `pse trace` prints the lines of any pixel, and `pse repl` those of the current pixel.";
 
 impl Resolver<'_> {
     /// What is printed, if that is what the expression does.
@@ -46,8 +46,10 @@ impl Resolver<'_> {
                     name.span,
                 );
                 let text = self.sources.text(value.span);
-                let hint =
-                    format!("To tell the name too, write it as a text: `{NAME}(\"{}\", {text})`.", name.text);
+                let hint = format!(
+                    "To print the name too, write it as a text: `{NAME}(\"{}\", {text})`.",
+                    name.text
+                );
                 self.errors.push(error.hint(hint));
             }
             parts.push(match &*value.kind {
@@ -66,7 +68,7 @@ impl Resolver<'_> {
             }
         }
         let error = Diagnostic::error("place", format!("`{NAME}()` gives no value"), span)
-            .label(span, "a value is wanted here")
+            .label(span, "a value is expected here")
             .hint("It is a statement: write it on a line of its own.");
         self.errors.push(error);
         None

@@ -356,11 +356,11 @@ fn put<P: Part<D, N, SLOPE>, const D: usize, const N: usize, const SLOPE: bool>(
 /// Lanes that go together.
 #[inline(always)]
 fn group<T>(lanes: &[T], first: usize) -> &Group<T> {
-    lanes[first..first + GROUP].try_into().expect("so many")
+    lanes[first..first + GROUP].try_into().expect("that many")
 }
 
 /// The same, to write to.
 #[inline(always)]
 fn group_mut<T>(lanes: &mut [T], first: usize) -> &mut Group<T> {
-    (&mut lanes[first..first + GROUP]).try_into().expect("so many")
+    (&mut lanes[first..first + GROUP]).try_into().expect("that many")
 }

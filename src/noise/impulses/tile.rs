@@ -78,7 +78,7 @@ impl<const D: usize> Tile<D> {
     pub(super) fn rows(&self, near: &Near<D>) -> [&[f32; ROW]; D] {
         array(|k| {
             let seen = &self.seen[k][usize::from(near[k])..];
-            seen[..ROW].try_into().expect("so many")
+            seen[..ROW].try_into().expect("that many")
         })
     }
 
@@ -193,7 +193,7 @@ impl<const D: usize> Kernel for LookUp<'_, D> {
         for (cell, near) in process.block(block).iter().enumerate() {
             let keys: [&[u32; TILE]; D] = array(|k| {
                 let keys = &tile.keys[k][usize::from(near[k])..];
-                keys[..TILE].try_into().expect("so many")
+                keys[..TILE].try_into().expect("that many")
             });
             let bit = 1 << cell;
             let mut hashes = [0; TILE];
