@@ -10,7 +10,7 @@ pub use without::Instant;
 mod without {
     use std::time::Duration;
 
-    /// A moment of a clock that stands still.
+    /// A clock that never advances, for targets without one.
     #[derive(Clone, Copy, Debug)]
     pub struct Instant;
 

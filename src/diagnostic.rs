@@ -8,7 +8,7 @@ mod render;
 use std::fmt;
 use std::sync::Arc;
 
-/// Which source text a span points into; an index into [`Sources`].
+/// Identifies a source text; an index into [`Sources`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SourceId(pub u32);
 
@@ -29,7 +29,7 @@ impl Span {
         Span { source, start: start as u32, end: end as u32 }
     }
 
-    /// Is the other one inside of it?
+    /// Whether the other span is inside this one.
     pub fn holds(self, other: Span) -> bool {
         self.source == other.source && self.start <= other.start && other.end <= self.end
     }
@@ -40,29 +40,29 @@ impl Span {
     }
 }
 
-/// One text that a program is made of: the program itself, an import, or a file of the library.
+/// One source text of a program: the program itself, an import, or a file of the library.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// The name to show: a path as the user gave it, or `<command line>`.
+    /// The name in messages: a path as the user wrote it, or `<command line>`.
     pub name: String,
     /// The text, UTF-8.
     pub text: Arc<str>,
 }
 
-/// All the texts that spans may point into.
+/// All source texts that spans can refer to.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     list: Vec<Source>,
 }
 
 impl Sources {
-    /// Adds a text, and tells how spans name it.
+    /// Adds a text and returns its id.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> SourceId {
         self.list.push(Source { name: name.into(), text: text.into() });
         SourceId(self.list.len() as u32 - 1)
     }
 
-    /// The text of that name.
+    /// Finds the text with this name.
     pub fn find(&self, name: &str) -> Option<SourceId> {
         self.list.iter().position(|s| s.name == name).map(|i| SourceId(i as u32))
     }
@@ -72,17 +72,17 @@ impl Sources {
         self.list.iter()
     }
 
-    /// The text that `id` names.
+    /// Returns the text with this id.
     pub fn get(&self, id: SourceId) -> &Source {
         &self.list[id.0 as usize]
     }
 
-    /// The bytes a span covers.
+    /// Returns the text of a span.
     pub fn text(&self, span: Span) -> &str {
         self.get(span.source).text.get(span.start as usize..span.end as usize).unwrap_or("")
     }
 
-    /// Line and column of a span's start, both from 1; columns count characters.
+    /// Returns line and column of a span's start, both from 1; columns count characters.
     pub fn line_column(&self, span: Span) -> (usize, usize) {
         let text = &self.get(span.source).text;
         let before = text.get(..span.start as usize).unwrap_or(text);
@@ -91,50 +91,50 @@ impl Sources {
     }
 }
 
-/// How bad it is.
+/// The severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     /// The program cannot run, or had to stop.
     Error,
-    /// It runs, but probably not as meant.
+    /// The program runs, but probably not as intended.
     Warning,
 }
 
-/// A stretch of source with a word on it.
+/// A range of source text with a note.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// Where.
+    /// The place.
     pub span: Span,
-    /// What is there; may be empty.
+    /// The note at the place; may be empty.
     pub text: String,
 }
 
-/// What is wrong with a program, or what went wrong in it.
+/// A fact about a fault in a program, for the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
     /// Error or warning.
     pub severity: Severity,
-    /// The kind of fault, as a stable word: `syntax`, `name`, `arity`, `shape`, `index`, `limit`, …
+    /// The kind of fault, as a stable identifier: `syntax`, `name`, `arity`, `shape`, `index`, `limit`, …
     pub code: &'static str,
-    /// One sentence without a full stop: what is wrong.
+    /// The fact, in one sentence without a full stop.
     pub message: String,
-    /// Where; the first is the primary place. Empty for a fault with no place in a program.
+    /// The places; the first is the primary one. Empty for a fault without a place in a program.
     pub labels: Vec<Label>,
-    /// How to mend it; each a sentence.
+    /// The remedies; each is a sentence.
     pub hints: Vec<String>,
-    /// The calls that led there, innermost first: function name and the call's span.
+    /// The calls that led to the fault, innermost first: function name and the call's span.
     pub trace: Vec<(String, Span)>,
     /// For a fault at run time: column and row of the pixel, from 0, as `pixel` counts them.
     pub pixel: Option<[i32; 2]>,
 }
 
 impl Diagnostic {
-    /// An error with its primary place.
+    /// Creates an error with its primary place.
     pub fn error(code: &'static str, message: impl Into<String>, span: Span) -> Diagnostic {
         Diagnostic::bare(code, message).label(span, "")
     }
 
-    /// An error that has no place in a program.
+    /// Creates an error without a place in a program.
     pub fn bare(code: &'static str, message: impl Into<String>) -> Diagnostic {
         Diagnostic {
             severity: Severity::Error,
@@ -147,7 +147,7 @@ impl Diagnostic {
         }
     }
 
-    /// The same as a warning.
+    /// Turns the error into a warning.
     pub fn warning(mut self) -> Diagnostic {
         self.severity = Severity::Warning;
         self
@@ -162,18 +162,18 @@ impl Diagnostic {
         self
     }
 
-    /// Adds a way to mend it.
+    /// Adds a remedy.
     pub fn hint(mut self, text: impl Into<String>) -> Diagnostic {
         self.hints.push(text.into());
         self
     }
 
-    /// The primary place.
+    /// Returns the primary place.
     pub fn span(&self) -> Option<Span> {
         self.labels.first().map(|l| l.span)
     }
 
-    /// The whole message as text, with the source shown and the places underlined.
+    /// Renders the whole message as text, with the source lines and the places underlined.
     pub fn render(&self, sources: &Sources, style: Style) -> String {
         render::render(self, sources, style)
     }
@@ -188,16 +188,16 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
-/// How a rendered message looks.
+/// The style of a rendered message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
-    /// Colours, by ANSI sequences.
+    /// Use colours, as ANSI sequences.
     pub color: bool,
-    /// Columns to wrap at.
+    /// The column to wrap at.
     pub width: usize,
 }
 
 impl Style {
-    /// No colours, 100 columns: for files, tests and logs.
+    /// No colours and 100 columns, for files, tests and logs.
     pub const PLAIN: Style = Style { color: false, width: 100 };
 }

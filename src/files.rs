@@ -127,7 +127,7 @@ impl Folders {
         // Somebody may have put a link into the place of a folder between both.
         match path.canonicalize()? == real && is_at(&file, &real)? {
             true => Ok(file),
-            false => Err(io::Error::other("it was moved while it was opened")),
+            false => Err(io::Error::other("it was moved while being opened")),
         }
     }
 }
@@ -162,7 +162,7 @@ struct Outside(PathBuf);
 
 impl fmt::Display for Outside {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "links lead to `{}`, outside of the folders that may be read here", self.0.display())
+        write!(f, "links lead to `{}`, outside the folders that may be read", self.0.display())
     }
 }
 

@@ -9,7 +9,7 @@ pub use disk::{Disk, absolute, clean, read_text};
 use crate::texture::Origin;
 use std::collections::HashMap;
 
-/// Finds the files that `import` names, and the images that `texture` and its like name.
+/// Finds the files that `import` names, and the images that `texture` and `environment` name.
 ///
 /// ```
 /// use pse::Origin;
@@ -21,7 +21,7 @@ use std::collections::HashMap;
 ///
 /// impl Host for Ramp {
 ///     fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
-///         Err("this program can import no files".into())
+///         Err("this program cannot import files".into())
 ///     }
 ///
 ///     fn image(&self, _: &str, name: &str) -> Result<Origin, String> {
@@ -37,41 +37,41 @@ use std::collections::HashMap;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Host: Send + Sync {
-    /// The text of the file that `path` names in a program called `importing`, and the name under which
-    /// messages show it. `Err` says where it was looked for, as a sentence.
+    /// Returns the text of the file that `path` names in a program called `importing`, and its name in messages.
+    /// `Err` is a sentence that says where the file was searched.
     fn import(&self, importing: &str, path: &str) -> Result<(String, String), String>;
 
-    /// Where imports are looked for, as a sentence, for who misses one.
+    /// A sentence that says where imports are searched, as a hint for a missing one.
     fn hint(&self) -> Option<String> {
         None
     }
 
-    /// The image that `name` means in a program called `program`. `Err` says where it was looked for, as a
-    /// sentence.
+    /// Returns the image that `name` means in a program called `program`. `Err` is a sentence that says where the
+    /// image was searched.
     fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
         let _ = (program, name);
-        Err("this program can read no images".into())
+        Err("this program cannot read images".into())
     }
 
-    /// Names of images that such a program could read instead of `name`, for who has misspelt one.
+    /// Names of images that the program could read instead of `name`, as suggestions for a misspelt one.
     fn images(&self, program: &str, name: &str) -> Vec<String> {
         let _ = (program, name);
         Vec::new()
     }
 
-    /// Where images are looked for, as a sentence, for who misses one.
+    /// A sentence that says where images are searched, as a hint for a missing one.
     fn image_hint(&self) -> Option<String> {
         None
     }
 }
 
-/// No files: every import is an error.
+/// A host without files: every import is an error.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoFiles;
 
 impl Host for NoFiles {
     fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
-        Err("this program can import no files".into())
+        Err("this program cannot import files".into())
     }
 }
 
@@ -83,7 +83,7 @@ impl Host for Memory {
     fn import(&self, _: &str, path: &str) -> Result<(String, String), String> {
         match self.0.get(path) {
             Some(text) => Ok((path.to_string(), text.clone())),
-            None => Err("there is no file of that name".into()),
+            None => Err("there is no file with this name".into()),
         }
     }
 

@@ -20,7 +20,7 @@ pub use crate::eval::{
     TraceOptions,
 };
 
-/// A compiled program. It holds no state: share it between threads, and run it as often as you like.
+/// A compiled program. It has no state: share it between threads, and run it any number of times.
 ///
 /// ```
 /// use pse::{Image, Program, RunOptions, Shape, Variable};
@@ -63,26 +63,27 @@ impl Default for Compiler<'_> {
 }
 
 impl<'h> Compiler<'h> {
-    /// Without files and without functions.
+    /// Creates a compiler without files and host functions.
     pub fn new() -> Compiler<'h> {
         Compiler::default()
     }
 
-    /// Where imports are found.
+    /// Sets the host that finds imports and images.
     pub fn host(mut self, host: &'h dyn Host) -> Compiler<'h> {
         self.host = host;
         self
     }
 
-    /// The value of the last expression that stands alone at the outer level is put into a variable of this name,
-    /// instead of `color` where nothing else assigns that.
+    /// Assigns the value of the last expression statement at the outer level to the variable `name`. By default it is
+    /// assigned to `color`, if the program does not assign `color`.
     pub fn value(mut self, name: &str) -> Compiler<'h> {
         self.value = Some(name.to_string());
         self
     }
 
-    /// Compiles one function of the program instead of what runs at pixels: its value at each is a variable of its name,
-    /// and it is given the variables `arguments`, as many of them as it takes. Outer statements are run as far as it needs what they assign.
+    /// Compiles one function of the program instead of its statements. The result is a variable with the function's
+    /// name. Passes the variables in `arguments`, up to the function's arity. Only the outer statements that the
+    /// function depends on run.
     ///
     /// ```
     /// use pse::{Compiler, Image, RunOptions, Shape, Variable};
@@ -101,20 +102,20 @@ impl<'h> Compiler<'h> {
         self
     }
 
-    /// Adds a function to the language; it hides a built-in one of the same name.
+    /// Adds a function to the language. It hides a built-in one of the same name.
     pub fn function(mut self, function: HostFunction) -> Compiler<'h> {
         self.functions.insert(function.name().to_string(), Arc::new(function));
         self
     }
 
-    /// What knows the image that the program is to run on. It is asked about the variables that a program with errors
-    /// reads and does not assign, so that all mistakes are reported in one go.
+    /// Sets a callback that knows the image to run on. The compiler calls it for the variables that a program with
+    /// errors reads but does not assign, so that all mistakes are reported together.
     pub fn doubt(mut self, doubt: &'h resolve::unknown::Doubt<'h>) -> Compiler<'h> {
         self.doubt = doubt;
         self
     }
 
-    /// Compiles a program that messages call `name`.
+    /// Compiles a program; `name` is its name in messages.
     ///
     /// # Errors
     /// Every fault that could be found in the text.
@@ -143,7 +144,7 @@ impl Program {
         Compiler::new().compile("program", text)
     }
 
-    /// Runs it at every pixel of an image.
+    /// Runs the program at every pixel of an image.
     ///
     /// # Errors
     /// What does not fit the image, or the first pixel in reading order at which the program goes wrong;
@@ -152,7 +153,7 @@ impl Program {
         eval::run(&self.resolved, image, options).map_err(|f| self.error(f))
     }
 
-    /// Begins a run over an image that comes a few rows at a time, because it is large or still being made.
+    /// Starts a run over an image that arrives a few rows at a time, because it is large or still being rendered.
     ///
     /// ```
     /// use pse::{Image, Program, RunOptions, Shape, Variable};
@@ -173,7 +174,7 @@ impl Program {
         Stream { program: self, inner: eval::Stream::new(&self.resolved, options) }
     }
 
-    /// Runs it at one pixel that has the given variables: what it assigns there, by name.
+    /// Runs the program at one pixel with the given variables, and returns the assigned variables by name.
     ///
     /// ```
     /// use pse::{Program, RunOptions};
@@ -199,7 +200,7 @@ impl Program {
         self.eval_pixel_of(&image, 0, 0, options)
     }
 
-    /// Runs it at one pixel of an image, counted from the top left of what the image holds.
+    /// Runs the program at one pixel of an image, counted from the top left of the stored pixels.
     ///
     /// # Errors
     /// As [`Program::run`].
@@ -219,8 +220,8 @@ impl Program {
         Ok(values)
     }
 
-    /// Runs it at one pixel of an image, as [`Program::eval_pixel_of`]: what it prints there, so many lines of it as
-    /// [`RunOptions::prints`] says.
+    /// Runs the program at one pixel, as [`Program::eval_pixel_of`], and returns the lines that it prints there, at
+    /// most [`RunOptions::prints`].
     ///
     /// # Errors
     /// As [`Program::run`].
@@ -240,11 +241,10 @@ impl Program {
         Ok(prints)
     }
 
-    /// Runs it at one pixel of an image, counted from the top left of what the image holds, and tells all that happens
-    /// there. Every value is the one of [`Program::run`], to the last bit. (Samples are not looked at: it is the pixel's
-    /// middle that runs.)
+    /// Traces the program at one pixel of an image, counted from the top left of the stored pixels. Every value is
+    /// exactly that of [`Program::run`]. (Samples are ignored: the centre of the pixel runs.)
     ///
-    /// An error at the pixel is a part of the trace, behind what happened before it.
+    /// An error at the pixel is part of the trace, after the events before it.
     ///
     /// A program that asks how things change from pixel to pixel has the whole image looked through for neighbours. Three rows
     /// above the pixel and three below it are enough, as an image of their own whose `metadata.origin` says where they lie.
@@ -287,8 +287,8 @@ impl Program {
         eval::trace(&self.resolved, image, pixel, options, wanted).map_err(|f| self.error(f))
     }
 
-    /// Its params: what each is if nothing sets it, and the range that it states. `image` is what the program would
-    /// run on; only its size matters.
+    /// The program's params, with their default values and ranges. `image` is the image to run on; only its size
+    /// matters.
     ///
     /// ```
     /// use pse::{Image, Program, RunOptions};
@@ -305,18 +305,18 @@ impl Program {
         eval::params(&self.resolved, image, options).map_err(|f| self.error(f))
     }
 
-    /// The names of the variables that a run writes if none are asked for.
+    /// The names of the variables that a run writes by default.
     pub fn default_outputs(&self) -> Vec<String> {
         eval::default_outputs(&self.resolved)
     }
 
-    /// Whether a run passes on the image's `alpha`, because the program gives a colour and no alpha.
+    /// Whether a run passes on the image's `alpha`, because the program has a colour and no alpha.
     pub fn keeps_alpha(&self) -> bool {
         eval::keeps_alpha(&self.resolved)
     }
 
-    /// Takes over the images for look-ups that another program has read already, where both name the same. Their files
-    /// are not looked at again.
+    /// Shares the textures that another program has already read, where both use the same ones. Their files are not
+    /// read again.
     pub fn share_textures(&self, other: &Program) {
         for (own, _) in &self.resolved.textures {
             if let Some((known, _)) = other.resolved.textures.iter().find(|(known, _)| own.same(known)) {
@@ -325,8 +325,8 @@ impl Program {
         }
     }
 
-    /// The files on disk that it is made of in a frame: its own, its imports, and the images for look-ups. Texts that
-    /// came from elsewhere are named as their host names them.
+    /// The files that the program uses in a frame: its own, its imports, and the images for look-ups. Texts from
+    /// other sources have the names that their host gave them.
     pub fn files(&self, frame: impl Into<Frame>) -> Vec<PathBuf> {
         let frame = frame.into();
         let texts = self.resolved.sources.iter().map(|source| source.name.as_str());
@@ -336,12 +336,12 @@ impl Program {
         texts.chain(images).collect()
     }
 
-    /// Does it look up another file in each frame?
+    /// Whether the program looks up a different file in each frame.
     pub fn has_texture_sequence(&self) -> bool {
         self.resolved.textures.iter().any(|(source, _)| source.is_sequence())
     }
 
-    /// Has it, or an import of it, a function of that name?
+    /// Whether the program or one of its imports defines a function with this name.
     pub fn defines(&self, function: &str) -> bool {
         let own = |f: &&resolve::tree::Function| {
             !self.resolved.sources.get(f.span.source).name.starts_with("library/")
@@ -349,22 +349,22 @@ impl Program {
         self.resolved.functions.iter().filter(own).any(|f| f.name == function)
     }
 
-    /// The program after names were resolved.
+    /// The program after name resolution.
     pub fn resolved(&self) -> &Resolved {
         &self.resolved
     }
 
-    /// The texts that the spans of its errors point into.
+    /// The source texts that the spans of its errors refer to.
     pub fn sources(&self) -> &Sources {
         &self.resolved.sources
     }
 
-    /// The names of the variables that it assigns at the pixels.
+    /// The names of the variables that the program assigns at the pixels.
     pub fn assigned(&self) -> impl Iterator<Item = &str> {
         self.resolved.assigned()
     }
 
-    /// The names that it reads and nothing in it assigns: what an image must have, or a constant's name.
+    /// The names that the program reads but does not assign: image variables or constants.
     pub fn inputs(&self) -> impl Iterator<Item = &str> {
         let unassigned = |g: &&resolve::tree::Global| {
             let space = resolve::space_of(&g.name).is_some();
@@ -388,18 +388,19 @@ fn index(image: &Image<'_>, column: usize, row: usize) -> usize {
     row * image.width + column
 }
 
-/// A run over an image that comes a few rows at a time, from the top down; see [`Program::stream`].
+/// A run over an image that arrives a few rows at a time, from the top down; see [`Program::stream`].
 pub struct Stream<'p> {
     program: &'p Program,
     inner: eval::Stream<'p>,
 }
 
 impl Stream<'_> {
-    /// Runs the next rows: those `rows` of what `image` holds. There may be others about them; a program that reads
-    /// `pixelsize` or asks for derivatives needs three above and three below. `metadata` says where in the picture the image lies.
+    /// Runs the next rows: `rows` of the stored rows of `image`. The image can contain more rows; a program with
+    /// `pixelsize` or derivatives needs three above and three below. `metadata` gives the position of the image in
+    /// the picture.
     ///
-    /// `None`: an output has more components here than it had in the rows before. They must all be run again, from the
-    /// first on, and will then have as many.
+    /// Returns `None` if an output has more components here than in the rows before. Then all rows must run again,
+    /// from the first, and will have the larger number.
     ///
     /// # Errors
     /// As [`Program::run`].
@@ -408,19 +409,19 @@ impl Stream<'_> {
     }
 }
 
-/// What is wrong with a program: facts to look at, and a text to show.
+/// The errors of a program, as data and as text.
 #[derive(Clone, Debug)]
 pub struct Error {
-    /// At least one, in the order of the text.
+    /// The diagnostics, at least one, in the order of the text.
     pub diagnostics: Vec<Diagnostic>,
-    /// What their spans point into.
+    /// The source texts that their spans refer to.
     pub sources: Sources,
-    /// Was the run cancelled?
+    /// Whether the run was cancelled.
     pub cancelled: bool,
 }
 
 impl Error {
-    /// All messages, with the source shown and the places underlined.
+    /// Renders all messages, with the source lines and the places underlined.
     pub fn render(&self, style: Style) -> String {
         let mut sorted: Vec<&Diagnostic> = self.diagnostics.iter().collect();
         sorted.sort_by_key(|d| d.span().map(|s| (s.source, s.start)));

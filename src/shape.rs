@@ -6,13 +6,13 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// How the cells of a value nest. Built by [`Shape::vector_of`], which keeps it canonical: a list
-/// whose elements are all scalars is always [`Shape::Vector`], so `==` compares meaning.
+/// The nesting of a value. [`Shape::vector_of`] keeps it canonical: a list whose elements are all scalars is always
+/// [`Shape::Vector`], so `==` compares meaning.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Shape {
     /// A number.
     Scalar,
-    /// A vector of so many scalars; `Vector(0)` is `[]`.
+    /// A vector of this many scalars; `Vector(0)` is `[]`.
     Vector(u32),
     /// A vector with at least one element that is itself a vector.
     Nested(Arc<[Shape]>),
@@ -28,7 +28,7 @@ impl Shape {
         }
     }
 
-    /// Is it a number?
+    /// Whether the value is a scalar.
     pub fn is_scalar(&self) -> bool {
         matches!(self, Shape::Scalar)
     }
@@ -51,8 +51,8 @@ impl Shape {
         }
     }
 
-    /// How large it is, counting scalars and vectors at any depth, and how deep it nests. Vectors of empty
-    /// vectors have no cells, and can be large nevertheless.
+    /// The number of scalars and vectors at any depth, and the nesting depth. Vectors of empty vectors have no cells
+    /// but can be large.
     pub fn extent(&self) -> (usize, usize) {
         match self {
             Shape::Scalar => (1, 0),
@@ -64,7 +64,7 @@ impl Shape {
         }
     }
 
-    /// Is it the empty vector?
+    /// Whether the value is the empty vector.
     pub fn is_empty(&self) -> bool {
         self.len() == Some(0)
     }

@@ -16,7 +16,7 @@ const UV: &str = "Texture coordinates are called `uv` here, with the components 
 const INCIDENT: &str = "The direction from the eye to the point is called `I` here; `-I` leads to the eye.";
 const BITANGENT: &str = "The direction in which `uv.y` grows is called `dPdv` here.";
 const TIME: &str = "Time is counted in frames: `frame / 24` is in seconds at 24 frames a second.";
-const LIGHT: &str = "A program is given no lights; name a direction: `L = direction([-0.5 -0.7 0.8])`.";
+const LIGHT: &str = "There are no lights; choose a direction: `L = direction([-0.5 -0.7 0.8])`.";
 const OBJECT_SPACE: &str = "The point in the space of its object is `transform(\"object\", point)` here.";
 
 /// Variables. RenderMan and OSL (`P`), Houdini (`@P`), Nuke, Blender, GLSL, HLSL, SeExpr and MaterialX.
@@ -166,7 +166,7 @@ static VARIABLES: &[Entry] = &[
             "viewposition",
             "_WorldSpaceCameraPos",
         ],
-        "The place of the eye is called `eye` here.",
+        "The position of the eye is called `eye` here.",
     ),
     (
         &["L", "Lw", "lightDir", "lightdir", "light_dir", "lightDirection", "lightPos", "Cl", "Ol", "light"],
@@ -208,7 +208,7 @@ static VARIABLES: &[Entry] = &[
     (&["TAU", "tau", "TWO_PI", "TWOPI", "two_pi", "twopi", "M_2PI", "PI2"], "Write `2 * pi`."),
     (&["e", "M_E", "euler"], "Write `exp(1)`."),
     (&["inf", "INF", "INFINITY", "Inf", "FLT_MAX", "M_INFINITY"], "It is called `infinity` here."),
-    (&["nan", "NaN", "NAN"], "Write `0 / 0`; whether a number is none is told by `isnan(x)`."),
+    (&["nan", "NaN", "NAN"], "Write `0 / 0`; test for it with `isnan(x)`."),
     (
         &[
             "id",
@@ -249,46 +249,43 @@ static VARIABLES: &[Entry] = &[
         ],
         "The colour of the surface without light is called `albedo` here.",
     ),
-    (
-        &["orange", "brown", "purple", "pink", "violet"],
-        "A colour is written as its red, green and blue: `[1 0.3 0]`.",
-    ),
+    (&["orange", "brown", "purple", "pink", "violet"], "Write a colour as red, green and blue: `[1 0.3 0]`."),
     (
         &["null", "None", "nil", "undefined", "NULL"],
-        "There is no such value: a variable has one from its first assignment on.",
+        "There is no such value. A variable gets its value from its first assignment.",
     ),
 ];
 
 /// Functions.
 static FUNCTIONS: &[Entry] = &[
-    (&["normalize", "normalise", "normalized", "unit"], "A vector of length 1 is made by `direction(v)`."),
+    (&["normalize", "normalise", "normalized", "unit"], "For a vector of length 1, write `direction(v)`."),
     (
         &[
             "vec2", "vec3", "vec4", "float2", "float3", "float4", "half3", "half4", "vector", "vector2",
             "vector3", "vector4", "rgb", "rgba", "color3", "color4", "set",
         ],
-        "A vector is written in brackets: `[1 0 0]`.",
+        "Write a vector in brackets: `[1 0 0]`.",
     ),
     (
         &["mat2", "mat3", "mat4", "float3x3", "float4x4", "matrix", "matrix3", "matrix4"],
-        "A matrix is written as its rows in brackets: `[[1 0] [0 1]]`.",
+        "Write a matrix as rows in brackets: `[[1 0] [0 1]]`.",
     ),
     (&["dotproduct", "dot_product", "DotProduct", "dotp"], "It is called `dot(a, b)` here."),
     (&["crossproduct", "cross_product", "CrossProduct"], "It is called `cross(a, b)` here."),
     (
         &["ch", "chf", "chi", "chv", "chp", "parm", "getattr"],
-        "A value from outside is a param: the line param amount = 1 declares it, `amount` reads it, and --set amount=2 sets it.",
+        "Use a param: the line param amount = 1 declares it, `amount` reads it, and --set amount=2 sets it.",
     ),
     (
         &["MixRGB", "mixrgb", "mix_rgb", "keymix", "Keymix", "KeyMix", "Dissolve", "dissolve", "MixColor"],
-        "A blend of two values is `mix(a, b, t)`: `a` where `t` is 0, `b` where it is 1.",
+        "To blend two values, write `mix(a, b, t)`: `a` where `t` is 0, `b` where it is 1.",
     ),
     (
         &["cryptomatte", "Cryptomatte", "cryptomask", "getmatte"],
-        "A cryptomatte's channels are read as `CryptoObject00` and its like; docs/antialiasing.md has a program that makes \
-         a matte of them.",
+        "Read the channels of a cryptomatte as `CryptoObject00`, `CryptoObject01`, …; docs/antialiasing.md has a \
+         program that makes a matte of them.",
     ),
-    (&["float", "double", "half"], "Every number is a float: leave it out."),
+    (&["float", "double", "half"], "Every number is a float: remove it."),
     (&["int", "integer", "toint"], "Write `trunc(x)`, or `floor(x)`."),
     (&["bool"], "Write `x != 0`."),
     (
@@ -311,11 +308,11 @@ static FUNCTIONS: &[Entry] = &[
             "bspline",
             "keyframe",
         ],
-        "A ramp through knots, as `t` goes from 0 to 1, is `linear(t, a, b, c)`, a smooth one `spline(t, a, b, c, d)`.",
+        "For a ramp through knots with `t` from 0 to 1, write `linear(t, a, b, c)`, or `spline(t, a, b, c, d)` for a smooth one.",
     ),
     (
         &["interp", "interpolate", "lookup", "lut", "lut1d"],
-        "A vector is looked up by `table(v, x)`; for knots there are `linear(t, a, b, c)` and `spline(t, a, b, c, d)`.",
+        "To look up a vector, write `table(v, x)`; to interpolate knots, `linear(t, a, b, c)` or `spline(t, a, b, c, d)`.",
     ),
     (
         &[
@@ -335,7 +332,7 @@ static FUNCTIONS: &[Entry] = &[
             "setRange",
             "rerange",
         ],
-        "For `x` from `a` to `b` write `mix(c, d, boxstep(a, b, x))`: it goes from `c` to `d`.",
+        "To map `x` from the range `a` to `b` to the range `c` to `d`, write `mix(c, d, boxstep(a, b, x))`.",
     ),
     (&["linearstep", "linstep", "boxramp"], "A straight ramp from 0 to 1 is `boxstep(a, b, x)`."),
     (
@@ -441,7 +438,7 @@ static FUNCTIONS: &[Entry] = &[
             "octaves",
             "musgrave",
         ],
-        "Sums of octaves of noise are made by `fBm(p)`, `fractalsum(p)` and `turbulence(p)`.",
+        "For a sum of octaves of noise, write `fBm(p)`, `fractalsum(p)` or `turbulence(p)`.",
     ),
     (&["turb", "turbulent", "turbnoise"], "It is called `turbulence(p)` here."),
     (&["ridgedmf", "ridged_multifractal", "ridgednoise", "ridge"], "It is called `ridged(p)` here."),
@@ -471,17 +468,17 @@ static FUNCTIONS: &[Entry] = &[
     (&["unpremult", "unpremultiply", "Unpremult", "unpre"], "Write `alpha > 0 ? color / alpha : color`."),
     (
         &["under", "merge", "alphaover", "composite", "comp"],
-        "A picture is put over another by `over(a, alpha, b)`.",
+        "To put a picture over another, write `over(a, alpha, b)`.",
     ),
     (&["screen"], "Write `1 - (1 - a) * (1 - b)`."),
     (&["invert", "oneminus", "one_minus", "complement", "rgbinvert"], "Write `1 - x`."),
     (&["add", "plus"], "Write `a + b`."),
     (&["sub", "subtract", "minus"], "Write `a - b`."),
-    (&["mul", "times", "mult"], "Write `a * b`; a matrix is multiplied by `multiply(a, b)`."),
+    (&["mul", "times", "mult"], "Write `a * b`; for matrices, `multiply(a, b)`."),
     (&["div", "divide"], "Write `a / b`."),
     (
         &["blur", "boxblur", "gaussian", "gaussianblur", "Blur", "defocus", "soften", "convolve"],
-        "A program sees one pixel at a time. The mean over a part of a file is `texture(\"file.exr\", s, t, width = 0.01)`.",
+        "A program reads one pixel at a time. To blur a file, write `texture(\"file.exr\", s, t, width = 0.01)`.",
     ),
     (
         &[
@@ -495,9 +492,9 @@ static FUNCTIONS: &[Entry] = &[
             "pixelat",
             "getpixel",
         ],
-        "A program sees one pixel at a time, and none of its neighbours.",
+        "A program reads one pixel at a time, without its neighbours.",
     ),
-    (&["clamp01", "saturate", "sat", "clip", "clampf"], "Between 0 and 1 a number is kept by `clamp(x)`."),
+    (&["clamp01", "saturate", "sat", "clip", "clampf"], "To limit a number to 0 … 1, write `clamp(x)`."),
     (&["fract", "fraction"], "It is called `frac(x)` here."),
     (
         &[
@@ -521,11 +518,11 @@ static FUNCTIONS: &[Entry] = &[
             "map",
             "sampleTexture",
         ],
-        "An image is looked up by `texture(\"file.png\", uv.x, uv.y)`.",
+        "To look up an image, write `texture(\"file.png\", uv.x, uv.y)`.",
     ),
     (
         &["textureCube", "texCUBE", "samplerCube", "envmap", "environmentmap", "reflectionmap"],
-        "What is around is looked up by `environment(\"sky.exr\", reflect(I, normal))`.",
+        "To look up the surroundings, write `environment(\"sky.exr\", reflect(I, normal))`.",
     ),
     (&["fmod", "modulo", "rem", "remainder", "imod"], "Write `a % b`."),
     (&["wrap", "repeat"], "Write `mod(x, period)`."),
@@ -541,14 +538,20 @@ static FUNCTIONS: &[Entry] = &[
     (&["lg"], "The logarithm to the base of 10 is `log10(x)`."),
     (&["rint", "nint"], "It is called `round(x)` here."),
     (&["sgn", "signum"], "It is called `sign(x)` here."),
-    (&["deg", "rad2deg", "todegrees", "to_degrees", "degree"], "Radians become degrees by `degrees(x)`."),
-    (&["rad", "deg2rad", "toradians", "to_radians", "radian"], "Degrees become radians by `radians(x)`."),
+    (
+        &["deg", "rad2deg", "todegrees", "to_degrees", "degree"],
+        "To convert radians to degrees, write `degrees(x)`.",
+    ),
+    (
+        &["rad", "deg2rad", "toradians", "to_radians", "radian"],
+        "To convert degrees to radians, write `radians(x)`.",
+    ),
     (&["dist", "ptdist"], "It is called `distance(a, b)` here."),
     (&["mag", "magnitude"], "The length of a vector is `length(v)`."),
     (&["len", "count"], "The number of elements is `size(v)`, the length of an arrow `norm(v)`."),
     (&["avg", "average"], "The mean of the elements of a vector is `mean(v)`."),
-    (&["push", "push_back", "pushback", "concat"], "An element is put behind the others by `append(v, x)`."),
-    (&["range", "arange", "linspace"], "A range is written `[1 .. 10]`."),
+    (&["push", "push_back", "pushback", "concat"], "To add an element, write `append(v, x)`."),
+    (&["range", "arange", "linspace"], "Write a range as `[1 .. 10]`."),
     (&["select", "choose", "iif", "cond", "ternary", "where"], "Write `condition ? a : b`."),
     (&["dFdx", "ddx", "dfdx", "ddx_fine"], "The change to the next pixel of a row is `Du(e)`."),
     (
@@ -558,16 +561,16 @@ static FUNCTIONS: &[Entry] = &[
     (&["fwidth", "filterWidth"], "How much an expression changes over a pixel is `filterwidth(e)`."),
     (
         &["bump", "displace", "bumpmap"],
-        "Move the point, and take the normal of what comes out: `calculatenormal(point + normal * height)`.",
+        "Move the point, and compute the normal of the result: `calculatenormal(point + normal * height)`.",
     ),
     (
         &["ptransform", "xform", "mtransform", "toworld", "tospace"],
-        "A point is taken into a space by `transform(\"object\", point)`.",
+        "To transform a point into a space, write `transform(\"object\", point)`.",
     ),
     (&["translate"], "The matrix that moves points is `translation(v)`."),
     (
         &["rot", "rotate2d", "rotate2D", "rotate3d", "rotateX", "rotateY", "rotateZ"],
-        "A point is turned by `rotate(p, angle, [0 0 1])`.",
+        "To rotate a point, write `rotate(p, angle, [0 0 1])`.",
     ),
     (&["schlick", "kfresnel"], "It is called `fresnel(cosine)` here."),
     (
@@ -583,7 +586,7 @@ static FUNCTIONS: &[Entry] = &[
             "pcopen",
             "pointcloud",
         ],
-        "A program sees the point under one pixel: it sends out no rays, and looks at no other points.",
+        "A program reads the point under one pixel. It cannot trace rays or read other points.",
     ),
     (&["checkerboard", "checker2d", "checkers"], "It is called `checker(p)` here."),
     (&["bricks"], "It is called `brick(uv)` here."),
@@ -604,7 +607,7 @@ static FUNCTIONS: &[Entry] = &[
             "OCIOColorSpace",
             "applylut",
         ],
-        "Nothing maps tones here: colours are linear light, and pictures are written with the curve of sRGB.",
+        "There is no tone mapping: colours are linear light, and pictures are written as sRGB.",
     ),
     (
         &[
@@ -619,7 +622,7 @@ static FUNCTIONS: &[Entry] = &[
             "LinearToGamma",
             "togamma",
         ],
-        "Linear light is encoded by `linear_to_srgb(color)`; the writer of pictures does so by itself.",
+        "To encode linear light, write `linear_to_srgb(color)`; pictures are encoded automatically when written.",
     ),
     (
         &[
@@ -632,14 +635,14 @@ static FUNCTIONS: &[Entry] = &[
             "degamma",
             "GammaToLinear",
         ],
-        "Colours of sRGB become linear by `srgb_to_linear(color)`.",
+        "To convert sRGB to linear light, write `srgb_to_linear(color)`.",
     ),
     (&["gamma"], "Write `gammacorrect(2.2, x)`, or `linear_to_srgb(color)` for the curve of sRGB."),
     (&["hsv", "hsvtorgb", "hsv2rgb", "HSVtoRGB", "hsvToRgb"], "It is called `hsv_to_rgb(color)` here."),
     (&["rgbtohsv", "rgb2hsv", "RGBtoHSV", "rgbToHsv"], "It is called `rgb_to_hsv(color)` here."),
     (&["hsl", "hsltorgb", "hsl2rgb", "hsi"], "It is called `hsl_to_rgb(color)` here."),
     (&["rgbtohsl", "rgb2hsl"], "It is called `rgb_to_hsl(color)` here."),
-    (&["printf", "puts", "echo", "console"], "A value is shown by `print(x)`."),
+    (&["printf", "puts", "echo", "console"], "To print a value, write `print(x)`."),
 ];
 
 static BY_VARIABLE: LazyLock<HashMap<&str, &str>> = LazyLock::new(|| by_word(VARIABLES));
@@ -828,7 +831,7 @@ mod tests {
             ("curlnoise", "curl("),
             ("noise1", "Noise("),
             ("snoise", "Noise("),
-            ("aces", "Nothing maps tones"),
+            ("aces", "no tone mapping"),
             ("srgb", "linear_to_srgb("),
         ] {
             assert!(function(word).is_some_and(|f| f.contains(ours)), "{word}: {:?}", function(word));

@@ -110,7 +110,7 @@ impl Reading {
                 None if self.function(name).is_some() => {
                     return self.about(&Symbol::Function(name.to_string()));
                 }
-                None => said.push("The program does not assign it: an image has to have it.".to_string()),
+                None => said.push("The program does not assign it: the image must have it.".to_string()),
             },
         }
         Some(format!("`{name}`\n\n{}", said.join(" ")))
@@ -134,10 +134,10 @@ pub(super) fn about_parameter(function: &Function, param: &Parameter) -> String 
     match (param.takes, &param.default) {
         (Takes::Choice(of), _) => {
             let words: Vec<String> = of.iter().map(|word| format!("`\"{word}\"`")).collect();
-            text += &format!(" One of {}; the first if it is not given.", words.join(", "));
+            text += &format!(" One of {}; the first is the default.", words.join(", "));
         }
-        (_, Some(default)) if default == "[]" || default == "\"\"" => text += " It may be left out.",
-        (_, Some(default)) => text += &format!(" If it is not given: `{default}`."),
+        (_, Some(default)) if default == "[]" || default == "\"\"" => text += " Optional.",
+        (_, Some(default)) => text += &format!(" Default: `{default}`."),
         (_, None) => {}
     }
     if !function.entry.brief.is_empty() {

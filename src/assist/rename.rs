@@ -13,14 +13,12 @@ impl Reading {
     pub fn may_rename(&self, symbol: &Symbol) -> Result<(), String> {
         let name = symbol.name();
         if self.faulty {
-            return Err(
-                "The program has mistakes that keep some of it from being read. Mend them first.".into()
-            );
+            return Err("The program has mistakes. Correct them first.".into());
         }
         match symbol {
-            Symbol::Outer(_) if is_standard(name) && self.param(name).is_none() => Err(format!(
-                "`{name}` is a name that images and pictures know. A variable of another name would be another one."
-            )),
+            Symbol::Outer(_) if is_standard(name) && self.param(name).is_none() => {
+                Err(format!("`{name}` is the name of a variable of images, so it cannot be renamed."))
+            }
             Symbol::Outer(_) if self.definition(symbol).is_none() => {
                 Err(format!("`{name}` comes from the image: the program does not define it."))
             }
@@ -28,7 +26,9 @@ impl Reading {
                 if self.own_function(function).is_none() =>
             {
                 Err(match self.function(function) {
-                    Some(_) => format!("`{function}()` belongs to every program and keeps its names."),
+                    Some(_) => {
+                        format!("`{function}()` is part of the language, so its names cannot be changed.")
+                    }
                     None => format!("There is no function `{function}()`."),
                 })
             }
@@ -62,7 +62,7 @@ impl Reading {
         let renamed = symbol.renamed(new);
         let outer = matches!(symbol, Symbol::Outer(_));
         if outer && is_standard(new) {
-            return Err(format!("`{new}` is a name that images and pictures know."));
+            return Err(format!("`{new}` is the name of a variable of images."));
         }
         let places: Vec<Range<usize>> = self.places(symbol).map(|(place, _)| place).collect();
         let mut text = self.text().to_string();
@@ -114,7 +114,7 @@ fn check_name(new: &str) -> Result<(), String> {
     match good && parsed.errors.is_empty() {
         true => Ok(()),
         false => Err(format!(
-            "`{new}` cannot be a name. A name is made of letters, digits and _, does not start with a digit, and is no word of the language."
+            "`{new}` cannot be a name. A name consists of letters, digits and _, does not start with a digit, and is not a word of the language."
         )),
     }
 }

@@ -142,7 +142,7 @@ impl FoundCamera {
             None => Err(reason(&ResectionError::NoPoints)),
             Some(Err(ambiguous)) => {
                 let hints = ambiguous.hints.join(" ");
-                Err(format!("It cannot be found from the points: {}. {hints}", ambiguous.message))
+                Err(format!("The camera cannot be found from the points: {}. {hints}", ambiguous.message))
             }
             Some(Ok(())) => resect(inputs)?.map_err(|error| reason(&error)),
         };
@@ -171,7 +171,7 @@ pub(super) fn projection(
     let written = image.metadata.attributes.matrix("worldToNDC");
     let screen = given.iter().find(|(name, _)| name == "screen").map(|(_, matrix)| *matrix);
     if screen.is_none() && eye.is_some() {
-        return Ok(Err("`--eye` alone does not tell where things are in the picture.".into()));
+        return Ok(Err("`--eye` alone does not determine the view.".into()));
     }
     if let Some(projection) = screen.or(written).and_then(|screen| Projection::new(&screen, size)) {
         return Ok(Ok(projection));
@@ -201,7 +201,7 @@ fn resect(inputs: &Inputs) -> Result<Result<Resection, ResectionError>, Failure>
 
 /// Why the camera of an input is not known.
 fn reason(error: &ResectionError) -> String {
-    format!("It cannot be found from the points: {error}.")
+    format!("The camera cannot be found from the points: {error}.")
 }
 
 /// Points without noise have smaller residuals, in pixels, even halves.
@@ -215,7 +215,7 @@ pub(super) fn description(found: &Resection) -> String {
     let eye = eye.to_array().map(|x| plain(x, digits)).join(" ");
     let residual = plain(found.residual, 4);
     let noise = match found.residual > NOISE {
-        true => "; so much comes from a pixel filter, depth of field or motion blur",
+        true => "; a pixel filter, depth of field or motion blur causes such a residual",
         false => "",
     };
     format!(

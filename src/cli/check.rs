@@ -23,25 +23,25 @@ use std::sync::Arc;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pse check *.pse\n  pse check marble.pse -i gbuffer.exr\n  \
                         pse check bubble.pse --scene bubble\n\n\
-                        Without an image the usual variables of G-buffers (point, normal, surface, …) are taken \
-                        for granted.")]
+                        Without an image, programs may read the usual variables of G-buffers (point, normal, \
+                        surface, …).")]
 pub(super) struct CheckArgs {
-    /// The programs; - is standard input
+    /// The programs; - reads standard input
     #[arg(required = true, value_name = "PROGRAM")]
     programs: Vec<PathBuf>,
-    /// The images whose variables they may read
+    /// An image whose variables the programs may read
     #[arg(short, long, value_name = "FILE|NAME=FILE", conflicts_with = "scene")]
     input: Vec<InputArg>,
-    /// The built-in scene whose variables they may read
+    /// A built-in scene whose variables the programs may read
     #[arg(long, value_name = "NAME")]
     scene: Option<String>,
-    /// Read a variable from other channels than the names suggest
+    /// Read a variable from the channels named here
     #[arg(long, value_name = "NAME=CHANNELS", requires = "input")]
     map: Vec<MapArg>,
-    /// Look for imported files and for textures in this folder too
+    /// Also look for imported files and textures in this folder
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
-    /// Say so if all is well
+    /// Also report the programs that have no mistakes
     #[arg(short, long)]
     verbose: bool,
 }
@@ -122,7 +122,10 @@ pub(super) fn misspelt_outputs(program: &Program) -> Vec<Diagnostic> {
             let message = format!("`{name}` is assigned and never read");
             let warning = Diagnostic::error("name", message, global.assigned?).warning();
             Some(warning.hint(match foreign {
-                Some(output) => format!("What is written is called `{output}` here. If `{name}` is meant, `--vars {name}` writes it."),
+                Some(output) => format!(
+                    "The output is called `{output}` here. To write `{name}` itself, add `--vars \
+                    {name}`."
+                ),
                 None => format!("Did you mean `{near}`? If not, `--vars {name}` writes it."),
             }))
         })

@@ -26,10 +26,10 @@ pub(super) struct CompletionsArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pse man | man -l -\n  pse man -o ~/.local/share/man/man1")]
 pub(super) struct ManArgs {
-    /// Write a page for each command into this folder, instead of pse(1) to standard output
+    /// Write one page per command into this folder (default: print pse(1))
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Replace files that are no manual pages of pse
+    /// Also replace files that are not manual pages of pse
     #[arg(long, requires = "output")]
     force: bool,
 }
@@ -78,8 +78,11 @@ pub(super) fn man(args: &ManArgs) -> Result<(), Failure> {
     {
         let path = folder.join(format!("{name}.1"));
         if !args.force && is_foreign(&path, &name) {
-            return Err(Failure::plain(format!("`{}` exists, and is no manual page of pse", path.display()))
-                .hint("Give another folder, or replace it with --force."));
+            return Err(Failure::plain(format!(
+                "`{}` exists, and is not a manual page of pse",
+                path.display()
+            ))
+            .hint("Give another folder, or add --force to replace it."));
         }
         write_file(&path, &page(command, &name)?)?;
     }

@@ -21,10 +21,11 @@ use std::path::{Path, PathBuf};
                         pse deform head examples/heads.pse --set who=7 -o seven.glb\n  \
                         pse deform head examples/heads.pse --frames 1-24 -o head.####.obj\n  \
                         pse deform scan.ply -e 'point += 0.1 * normal * Noise(4 * point)' -o rough.ply\n\n\
-                        The program reads point, normal and uv of each vertex, and assigns point. Faces, uv and surfaces stay; \
-                        normals are made anew, with creases where there were some. Nothing is turned: y is up if it was.")]
+                        The program reads point, normal and uv of each vertex, and assigns point. Faces, uv and surfaces stay \
+                        the same. Normals are recomputed; creases stay creases. The mesh is not rotated: if y was up, it \
+                        still is.")]
 pub(super) struct DeformArgs {
-    /// The mesh: .obj, .ply, .glb or .gltf; or head, which is built in
+    /// The mesh: an .obj, .ply, .glb or .gltf file, or the built-in head
     #[arg(value_name = "MESH")]
     mesh: String,
     #[command(flatten)]
@@ -35,29 +36,30 @@ pub(super) struct DeformArgs {
     /// Set a param to an expression: who=7
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// The number of the frame; that in the name of the mesh if not given
+    /// The frame number (default: the one in the mesh's file name)
     #[arg(long, value_name = "N", conflicts_with = "frames", allow_negative_numbers = true)]
     frame: Option<FrameArg>,
-    /// Several frames: 1-24, -3-3, 1,5,9 or 1-20x2. Names of files may hold the number as ####, @@@@, %d or %04d
+    /// Run several frames: 1-24, -3-3, 1,5,9 or 1-20x2. In file names, ####, @@@@, %d or %04d stands for the frame
+    /// number
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<Frames>,
-    /// How fine a detail of noise may be, instead of the mean length of the edges
+    /// The size of the finest noise detail (default: the mean edge length)
     #[arg(long, value_name = "SIZE")]
     pixelsize: Option<f32>,
-    /// Let the program see points relative to the mesh's middle, or to the point given; they are put back from there. For meshes
-    /// far from the origin, where `point` has few digits
+    /// Give the program points relative to the mesh's middle, or to the given point, and move the result back. For
+    /// meshes far from the origin, where point loses precision
     #[arg(
         long, value_name = "X,Y,Z", value_parser = Recenter::parse,
         num_args = 0..=1, require_equals = true, default_missing_value = MIDDLE
     )]
     recenter: Option<Recenter>,
-    /// Show so many lines of what the program prints, those of the first vertices; 0 shows none
+    /// Show at most N lines of the program's print output, from the first vertices; 0 shows none
     #[arg(long, value_name = "N", default_value_t = 10)]
     print: usize,
     /// Let the output replace the input
     #[arg(long)]
     force: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     quiet: bool,
     #[command(flatten)]
@@ -72,21 +74,21 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
     let chosen = Chosen::new(args.frames.as_ref(), args.frame, &[mesh], std::iter::once(&*pattern))?;
     let list = &chosen.frames;
     if list.len() > 1 && !frames::has_pattern(&pattern) {
-        return Err(Failure::usage(format!("{} frames cannot all be written to {pattern}", list.len()))
-            .hint("Give a place for the frame's number: -o head.####.obj."));
+        return Err(Failure::usage(format!("{} frames would all be written to {pattern}", list.len()))
+            .hint("Put the frame number into the name: -o head.####.obj."));
     }
     Format::to_write(&args.output)?;
     let (name, text) = args.program.read()?;
     let program = source::compile(&name, &text, &args.program.path)?;
     if !program.assigned().any(|name| name == "point") {
-        return Err(Failure::plain(format!("{name} assigns no point, so nothing would move")).hint(
-            "A deformation says where each vertex goes, for example: point += 0.1 * normal * Noise(4 * point).",
+        return Err(Failure::plain(format!("{name} does not assign `point`, so no vertex would move")).hint(
+            "Assign the new position of each vertex, for example: point += 0.1 * normal * Noise(4 * point).",
         ));
     }
     if program.resolved().derivatives {
-        let failure = Failure::plain(format!("{name} asks how things change from pixel to pixel"));
+        let failure = Failure::plain(format!("{name} uses derivatives between pixels"));
         return Err(failure.hint(
-            "Vertices have no such neighbours: leave out derivatives, and give look-ups in images a width.",
+            "Vertices have no neighbouring pixels. Remove the derivatives, and give image look-ups a `width`.",
         ));
     }
     list.iter().try_for_each(|&frame| frames::check_textures(&program, frame))?;
@@ -147,7 +149,7 @@ pub(super) fn deform(args: &DeformArgs) -> Result<(), Failure> {
 fn read(args: &DeformArgs, input: &Path) -> Result<Deform, Failure> {
     let mesh = model::read(input, args.quiet)?;
     if mesh.points.is_empty() {
-        let message = format!("there is no vertex in `{}`, so nothing would move", input.display());
+        let message = format!("`{}` has no vertices, so there is nothing to move", input.display());
         return Err(Failure::plain(message).hint("Give a mesh with polygons."));
     }
     Ok(match args.recenter {

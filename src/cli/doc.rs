@@ -13,9 +13,9 @@ use std::fmt::Write;
 #[command(after_help = "Examples:\n  pse doc\n  pse doc smoothstep\n  pse doc pixelsize\n  \
                         pse doc --markdown > docs/builtins.md")]
 pub(super) struct DocArgs {
-    /// A function, a constant, or another name of the language; without it all are listed
+    /// A function, constant or other name (default: list all)
     name: Option<String>,
-    /// The whole reference in Markdown
+    /// Print the whole reference in Markdown
     #[arg(long, conflicts_with = "name")]
     markdown: bool,
 }

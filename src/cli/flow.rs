@@ -22,14 +22,14 @@ use std::time::Instant;
 
 const EXAMPLES: &str = "\
 Examples:
-  pse flow fur.pse --scene donut --every 3 -o fur.png       hair from what a camera sees
+  pse flow fur.pse --scene donut --every 3 -o fur.png       hair on the visible surface
   pse flow smoke.pse --grid 24x24x1 --steps 200             from a grid, into smoke.png
   pse flow fireball.pse --ball 4000 --frames 1-24 -o fire.####.png
-  pse flow fur.pse -i gbuffer.exr -o fur.exr                a G-buffer of the lines, to be painted by pse run
+  pse flow fur.pse -i gbuffer.exr -o fur.exr                a G-buffer of the lines, for pse run
   pse flow smoke.pse --ball 500 -o smoke.ply                points and edges, for other programs
 
-The program has a function velocity(p), and may have color(p, age, along, line): age is 0 at the seed and 1 at the end of \
-a line, along is the unit vector along it, line its number. docs/flow.md tells more.";
+The program defines velocity(p), and optionally color(p, age, along, line): age is 0 at the seed and 1 at the end of a \
+line, along is the unit vector along the line, and line is its number. See docs/flow.md.";
 
 /// What flows, from where, and where to.
 #[derive(Debug, Args)]
@@ -41,24 +41,24 @@ pub(super) struct FlowArgs {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
-    /// Seeds on a grid of so many cells in the box: 20x20x20, or 40x40x1 for one layer
+    /// Place seeds on a grid of cells in the box: 20x20x20, or 40x40x1 for one layer
     #[arg(long, value_name = "NXxNYxNZ", value_parser = cells, help_heading = "Seeds", conflicts_with = "ball")]
     grid: Option<Cells>,
-    /// The box of the grid: two corners
+    /// Two corners of the box for the grid
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_parser = bounds, help_heading = "Seeds", requires = "grid",
           allow_hyphen_values = true, default_value = "-1,-1,-1,1,1,1")]
     bounds: Bounds,
-    /// So many seeds spread over a ball around the origin; 2000 if nothing else is given
+    /// Spread N seeds over a ball around the origin (default without other seeds: 2000)
     #[arg(long, value_name = "N", help_heading = "Seeds")]
     ball: Option<usize>,
     /// The radius of the ball
     #[arg(long, value_name = "R", default_value_t = 1.0, help_heading = "Seeds")]
     radius: f64,
-    /// Of what -i or --scene sees, a seed in every Nth column and row
+    /// Place a seed in every Nth column and row of the image of -i or --scene
     #[arg(long, value_name = "N", value_parser = positive, default_value_t = 4, help_heading = "Seeds")]
     every: usize,
 
-    /// Time from one point of a line to the next; negative goes back
+    /// Time step along a line; negative goes backward
     #[arg(
         long,
         value_name = "TIME",
@@ -67,16 +67,16 @@ pub(super) struct FlowArgs {
         allow_negative_numbers = true
     )]
     step: f64,
-    /// Steps of a line
+    /// Number of steps of each line
     #[arg(long, value_name = "N", value_parser = positive, default_value_t = 50, help_heading = "Lines")]
     steps: usize,
-    /// Width of a line in pixels; below 1 it gets fainter
+    /// Line width in pixels; below 1 the line is fainter
     #[arg(long, value_name = "PIXELS", default_value_t = 1.0, help_heading = "Lines")]
     width: f64,
 
     #[command(flatten)]
     images: ImageArgs,
-    /// The number of the frame; that in the name or the header of the input if not given
+    /// The frame number (default: the one in the input's name or header)
     #[arg(
         long,
         value_name = "N",
@@ -85,24 +85,25 @@ pub(super) struct FlowArgs {
         allow_negative_numbers = true
     )]
     frame: Option<FrameArg>,
-    /// Several frames: 1-24, -3-3, 1,5,9 or 1-20x2. Names of files may hold the number as ####, @@@@, %d or %04d
+    /// Run several frames: 1-24, -3-3, 1,5,9 or 1-20x2. In file names, ####, @@@@, %d or %04d stands for the frame
+    /// number
     #[arg(long, value_name = "LIST", help_heading = "Frames", allow_hyphen_values = true)]
     frames: Option<Frames>,
-    /// How progress is told
+    /// How to report progress
     #[arg(long, value_enum, default_value_t, value_name = "STYLE", help_heading = "Frames")]
     progress: Style,
 
-    /// A file to write, several if repeated: a picture, an .exr with point, along, depth, age, line, color and alpha, or
-    /// a .ply of points and edges. PROGRAM.png if not given
+    /// A file to write; repeat for several: a picture, an .exr with point, along, depth, age, line, color and alpha,
+    /// or a .ply of points and edges (default: PROGRAM.png)
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Vec<PathBuf>,
-    /// Let an output replace an input, and one without -o a file that pse did not write
+    /// Let an output replace an input, and a default output replace a file that pse did not write
     #[arg(long, help_heading = "Output")]
     force: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long, help_heading = "Output")]
     quiet: bool,
-    /// Say how many lines there are, how long it took, and how much the velocity spreads
+    /// Print the number of lines, the time taken, and the divergence of the velocity
     #[arg(long, help_heading = "Output")]
     stats: bool,
     #[command(flatten)]
@@ -214,39 +215,38 @@ fn draw(
 /// Numbers that lead nowhere are told before the work.
 fn check(args: &FlowArgs) -> Result<(), Failure> {
     let refuse = |what: &str, number: f64, hint: &str| {
-        Err(Failure::usage(format!("{what} of {number} leads nowhere")).hint(hint.to_string()))
+        Err(Failure::usage(format!("{what} of {number} is not possible")).hint(hint.to_string()))
     };
     if !(args.step.is_finite() && args.step != 0.0) {
-        return refuse("a step", args.step, "Give a time like 0.02; negative goes back.");
+        return refuse("a step", args.step, "Give a time like 0.02; a negative time goes backward.");
     }
     if !(args.width > 0.0 && args.width <= 100.0) {
-        return refuse("a width", args.width, "Give pixels: from 0.1 to 100, say.");
+        return refuse("a width", args.width, "Give a number of pixels, for example from 0.1 to 100.");
     }
     if !(args.radius > 0.0 && args.radius <= 1e6) {
-        return refuse("a radius", args.radius, "Give one of more than 0, and at most 1000000.");
+        return refuse("a radius", args.radius, "Give a radius above 0 and at most 1000000.");
     }
     if args.images.pixelsize.is_some_and(|size| size.is_nan() || size <= 0.0) {
-        return Err(Failure::usage("a --pixelsize is more than 0"));
+        return Err(Failure::usage("--pixelsize must be more than 0"));
     }
     let cells = args.grid.map(|grid| grid.0.iter().fold(1usize, |n, &k| n.saturating_mul(k)));
     let seeds = cells.or(args.ball).unwrap_or(1);
     if seeds == 0 {
-        return Err(Failure::usage("no seeds, no lines").hint("Give more than 0: --ball 2000."));
+        return Err(Failure::usage("there are no seeds").hint("Give more than 0: --ball 2000."));
     }
     if seeds.saturating_mul(args.steps + 1) > flow::MAX_POINTS {
         let message = format!("{seeds} lines of {} steps are too many points", args.steps);
-        return Err(Failure::usage(message).hint(format!("There may be {} in all.", flow::MAX_POINTS)));
+        return Err(Failure::usage(message).hint(format!("The limit is {} in all.", flow::MAX_POINTS)));
     }
     let [width, height] = args.images.view.size.map_or([1, 1], |s| s.0);
     if width.checked_mul(height).is_none_or(|n| n == 0 || n > MAX_PIXELS) {
         let message = format!("a picture of {width}x{height} cannot be drawn");
-        return Err(Failure::usage(message).hint(format!(
-            "Lines are drawn in memory, so there may be {MAX_PIXELS} pixels, and must be one."
-        )));
+        return Err(Failure::usage(message)
+            .hint(format!("Lines are drawn in memory. Give a size of 1 to {MAX_PIXELS} pixels.")));
     }
     let piped = args.output.iter().filter(|path| path.as_os_str() == "-").count();
     if piped > 1 || piped == 1 && args.progress == Style::Openjd {
-        return Err(Failure::usage("two things cannot both go to standard output"));
+        return Err(Failure::usage("two outputs cannot both go to standard output"));
     }
     Ok(())
 }
@@ -260,7 +260,7 @@ fn check_output(path: &Path) -> Result<(), Failure> {
         return Ok(pse::image::check_target(path)?);
     }
     let known = Format::of(path).is_ok();
-    output::check(path).map(drop).map_err(|f| if known { f } else { f.hint("Points are written as .ply.") })
+    output::check(path).map(drop).map_err(|f| if known { f } else { f.hint("Write points as .ply.") })
 }
 
 /// The files to write, each of which can be written.
@@ -273,8 +273,8 @@ fn outputs(args: &FlowArgs) -> Result<Vec<PathBuf>, Failure> {
     for path in &outputs {
         let name = path.to_string_lossy();
         if several && !frames::has_pattern(&name) {
-            let failure = Failure::usage(format!("several frames cannot all be written to {name}"));
-            return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
+            let failure = Failure::usage(format!("several frames would all be written to {name}"));
+            return Err(failure.hint("Put the frame number into the name: -o out.####.png."));
         }
         check_output(path)?;
     }
@@ -317,19 +317,19 @@ fn start(args: &FlowArgs, frame: Frame) -> Result<Start, Failure> {
     let image = reader.read(rows)?;
     drop(reader);
     if seeds.is_none() && image.variable("point").is_none() {
-        let failure = Failure::plain("the input has no variable `point`, so nothing can grow from it");
-        return Err(failure.hint("Give it with --map point=CHANNELS, or other seeds with --grid or --ball."));
+        let failure = Failure::plain("the input has no variable `point`, which the seeds need");
+        return Err(failure.hint("Name its channels with --map point=CHANNELS, or use --grid or --ball."));
     }
     let seeds = seeds.unwrap_or_else(|| flow::visible(&image, args.every));
     if seeds.is_empty() {
-        return Err(Failure::plain("no surface is seen that lines could grow from"));
+        return Err(Failure::plain("no pixel shows a surface, so there are no seeds"));
     }
     let screen =
         args.images.space.iter().map(|text| space(text, frame.value)).collect::<Result<Vec<_>, _>>()?;
     let screen = screen.iter().rev().find(|(name, _)| name == "screen");
     let projection = match (screen, args.images.view_of_image()) {
         (Some((_, matrix)), _) => Projection::new(matrix, image.resolution())
-            .ok_or_else(|| "`--space screen` gives the matrix of no perspective camera.".into()),
+            .ok_or_else(|| "`--space screen` is not the matrix of a perspective camera.".into()),
         (None, None) => Projection::of(&image).map_err(|error| error.to_string()),
         (None, Some(view)) => camera::projection(&inputs, view, &image, args.quiet)?,
     };
@@ -367,10 +367,10 @@ fn save(
         return Ok(file.finish()?);
     }
     let projection = start.projection.as_ref().map_err(|reason| {
-        Failure::plain("it is not known where the camera of the input is")
-            .hint("An EXR file tells it by the attribute worldToNDC; this input has none.")
+        Failure::plain("the camera of the input is unknown")
+            .hint("EXR files store it in the attribute worldToNDC; this input has none.")
             .hint(reason)
-            .hint("Give it with --eye, --look-at and --fov, or the matrix from the world to a screen of 0 to 1 with --space screen='…'. Or write points: -o lines.ply.")
+            .hint("Give --eye, --look-at and --fov, or the matrix from world to screen (0 to 1) with --space screen='…'. Or write points: -o lines.ply.")
     })?;
     let pen = Pen { width: args.width };
     let mut image = flow::draw(lines, colors, projection, &pen, start.image.as_ref());

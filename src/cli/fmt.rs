@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
                         pse fmt --check *.pse     names those that would change\n  \
                         pse fmt < a.pse > b.pse")]
 pub(super) struct FmtArgs {
-    /// The programs; none, or -, formats standard input to standard output
+    /// The programs to format; none, or -, formats standard input to standard output
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Change nothing: name the files that are not in canonical form, with exit status 1 if there are any
+    /// Change nothing; list the files that would change, and exit with 1 if there are any
     #[arg(long)]
     check: bool,
 }

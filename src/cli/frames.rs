@@ -29,7 +29,7 @@ impl FromStr for FrameArg {
             _ if text.parse::<Frames>().is_ok() => {
                 Err(format!("`{text}` is a list of frames; use --frames {text}"))
             }
-            _ => Err(format!("`{text}` is no frame; write a number like 7 or -3")),
+            _ => Err(format!("`{text}` is not a frame; write a number like 7 or -3")),
         }
     }
 }
@@ -55,7 +55,7 @@ impl FromStr for Frames {
         let number = |t: &str| match t.trim().parse::<i64>() {
             Ok(number) => number_within(number, t),
             Err(_) if t.trim().is_empty() => Err(format!("a number is missing in `{text}`; {FORM}")),
-            Err(_) => Err(format!("`{}` is no frame; {FORM}", t.trim())),
+            Err(_) => Err(format!("`{}` is not a frame; {FORM}", t.trim())),
         };
         let mut frames = Vec::new();
         for part in text.split(',') {
@@ -130,13 +130,13 @@ impl Chosen {
         if let (Some(source), [Frame { number: Some(number), .. }], true) =
             (&self.source, &self.frames[..], read)
         {
-            notes.push(format!("frame {number}, as `{source}` says; --frame gives another"));
+            notes.push(format!("using frame {number}, from `{source}`; --frame sets another"));
         }
         let rounded = |frame: &&Frame| frame.number.is_some_and(|number| number != frame.value as i64);
         if let Some(Frame { value, number: Some(number) }) = self.frames.iter().find(rounded).filter(|_| read)
         {
             notes.push(format!(
-                "the program reads frame {number} as {value}: above 16777216 not every whole number is a 32-bit float"
+                "the program reads frame {number} as {value}: 32-bit floats do not hold every whole number above 16777216"
             ));
         }
         notes
@@ -183,7 +183,7 @@ fn disagreement(numbers: &[(i64, String)]) -> Option<String> {
     let (first, one) = numbers.first()?;
     let (second, other) = numbers.iter().find(|(number, _)| number != first)?;
     Some(format!(
-        "`{one}` is of frame {first} and `{other}` of frame {second}, so frame is 0; --frame gives one"
+        "`{one}` has frame {first} and `{other}` has frame {second}, so frame is 0. Set it with --frame"
     ))
 }
 
@@ -205,11 +205,11 @@ pub(super) fn check_number(name: &str, frame: Frame) -> Result<(), Failure> {
     match frame {
         Frame { number: Some(_), .. } => Ok(()),
         Frame { value, .. } if value != 0.0 => {
-            let message = format!("{name} has no place for frame {value}, only for whole numbers");
+            let message = format!("{name} takes a whole frame number, and the frame is {value}");
             Err(Failure::usage(message).hint("Give a whole number: --frame 1."))
         }
-        _ => Err(Failure::usage(format!("{name} has a place for the frame's number, and none is given"))
-            .hint("Give it with --frame 1; commands that run several frames take --frames 1-24.")),
+        _ => Err(Failure::usage(format!("{name} needs a frame number, and none is given"))
+            .hint("Give it: --frame 1, or --frames 1-24 for a command that runs several.")),
     }
 }
 

@@ -23,13 +23,13 @@ use std::path::{Path, PathBuf};
     after_help = "Examples:\n  pse info gbuffer.exr\n  pse info gbuffer.exr --map point=ViewLayer.Position\n  pse info teapot.glb"
 )]
 pub(super) struct InfoArgs {
-    /// Images, and meshes (.obj, .ply, .glb, .gltf); - is an image on standard input
+    /// Images and meshes (.obj, .ply, .glb, .gltf); - reads an image from standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Read a variable from other channels than the names suggest
+    /// Read a variable from the channels named here
     #[arg(long, value_name = "NAME=CHANNELS")]
     map: Vec<MapArg>,
-    /// Take PNG, JPEG and the like as plain numbers: no sRGB decoding
+    /// Read pictures (PNG, JPEG, …) without sRGB conversion
     #[arg(long)]
     raw: bool,
 }
@@ -73,8 +73,14 @@ fn leave_out_unreadable(table: &mut Info) {
         });
     }
     for name in names {
-        let why = if names::RESERVED.contains(&name.as_str()) { "is the system's" } else { "cannot be read" };
-        table.notes.push(format!("`{name}` {why} in programs: read the channels with --map NAME=CHANNELS."));
+        let why = if names::RESERVED.contains(&name.as_str()) {
+            "is a name of the system"
+        } else {
+            "cannot be read"
+        };
+        table
+            .notes
+            .push(format!("`{name}` {why} in programs: rename the channels with --map NAME=CHANNELS."));
     }
 }
 
@@ -92,15 +98,14 @@ fn about_sequence(failure: Failure, path: &Path) -> Failure {
     };
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let found: Vec<i64> = files.filter_map(numbers).collect();
-    let failure =
-        failure.hint("The name has a place for the frame's number, and pse info describes one file.");
+    let failure = failure.hint("The name needs a frame number, and pse info describes one file.");
     match found.iter().min() {
         Some(first) => failure.hint(format!(
-            "Of frames {} the first is {}.",
+            "Frames {} exist; the first is {}.",
             frames::ranges(&found, "x"),
             quote::word(&frames::fill(&name, *first))
         )),
-        None => failure.hint("No file is called so with a number in that place."),
+        None => failure.hint("No file matches this name with a number."),
     }
 }
 
@@ -132,7 +137,7 @@ fn about_points(file: &File) -> Result<Vec<String>, Failure> {
     if jumps.noisy {
         notes.push(format!(
             "`point` jumps from pixel to pixel at {} of {} pixels within a surface ({:.1} %), as renderers write it with depth \
-             of field or motion blur: from one random sample of each pixel. Render the data passes without both.",
+             of field or motion blur: from one random sample of each pixel. Render the data passes without them.",
             jumps.jumps,
             jumps.tested,
             100.0 * jumps.jumps as f64 / jumps.tested as f64

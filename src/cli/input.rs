@@ -76,19 +76,19 @@ impl FromStr for MapArg {
 /// The images that a program runs on.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ImageArgs {
-    /// An image to run on; - is standard input. With NAME=, its variables are NAME.point, NAME.color, …
+    /// An input image; - reads standard input. With NAME=, its variables are NAME.point, NAME.color, …
     #[arg(short, long, value_name = "FILE|NAME=FILE", help_heading = "Input")]
     pub input: Vec<InputArg>,
-    /// A built-in scene to run on, the donut if nothing is given; see pse scene --list
+    /// Use a built-in scene as input (default without -i: donut); `pse scene --list` lists them
     #[arg(long, value_name = "NAME", help_heading = "Input")]
     pub scene: Option<String>,
-    /// Read a variable from other channels than the names suggest: point=ViewLayer.Position
+    /// Read a variable from the channels named here: point=ViewLayer.Position
     #[arg(long, value_name = "NAME=CHANNELS", help_heading = "Input")]
     pub map: Vec<MapArg>,
-    /// How far apart pixels lie in the space of point, instead of what point tells
+    /// Distance between neighbouring pixels in the space of point (default: measured from point)
     #[arg(long, value_name = "SIZE", help_heading = "Input")]
     pub pixelsize: Option<f32>,
-    /// Where a space is: the matrix from the world to it, as in object='inverse(translation([0 0 1]))'
+    /// Define a coordinate space by its matrix from world space: object='inverse(translation([0 0 1]))'
     #[arg(long, value_name = "NAME=MATRIX", help_heading = "Input")]
     pub space: Vec<String>,
     #[command(flatten)]
@@ -125,7 +125,7 @@ fn of_another_kind(failure: Failure, path: &Path) -> Failure {
     let shown = path.display();
     match extension.as_str() {
         "obj" | "ply" | "gltf" | "glb" => failure.hint(format!("It is a mesh: give it with --mesh {shown}.")),
-        "pse" => failure.hint(format!("It is a program, which comes without an option: pse run {shown}.")),
+        "pse" => failure.hint(format!("It is a program: give it without -i, as in pse run {shown}.")),
         _ => failure,
     }
 }
@@ -244,7 +244,7 @@ fn same_window(first: &str, one: &Image<'_>, name: &str, other: &Image<'_>) -> R
     };
     Err(Failure::plain("the inputs are of different sizes")
         .hint(format!("{}, {}.", tell(first, one), tell(name, other)))
-        .hint("A program sees one pixel of each at a time, so their windows must agree."))
+        .hint("A program reads the same pixel of each, so their windows must agree."))
 }
 
 /// The variables to read from images.
@@ -458,7 +458,9 @@ impl Inputs {
                     let none = || vec![format!("{NO_IMAGE} {image}: name one with -i {image}=FILE.")];
                     of_layer.or_else(known).unwrap_or_else(none)
                 }
-                None => vec!["All inputs have names: an -i FILE without one gives plain variables.".into()],
+                None => {
+                    vec!["All inputs have names. An -i FILE without a name gives plain variables.".into()]
+                }
             };
         };
         // Behind the variable there may be a component.
@@ -493,8 +495,8 @@ impl Inputs {
             let shown = file.name();
             for name in names::RESERVED.iter().filter(|name| reads(name) && has(name)) {
                 notes.push(format!(
-                    "`{name}` is what the system provides, not the channel of that name in {shown}; --map NAME={name} reads \
-                     the channel under another name"
+                    "`{name}` is the value of the system, not the channel of {shown}. Rename the channel with --map \
+                     NAME={name}"
                 ));
             }
             for constant in names::CONSTANTS.iter().filter(|c| reads(c.name) && has(c.name)) {
@@ -527,11 +529,11 @@ impl Inputs {
             };
             return Some(vec![match binding.candidates.len() {
                 1 if own != variable && short == variable => {
-                    format!("Leave the layer and the component out: `{short}`.")
+                    format!("Write it without the layer and the component: `{short}`.")
                 }
-                1 => format!("Leave the layer out: `{short}`."),
+                1 => format!("Write it without the layer: `{short}`."),
                 _ => format!(
-                    "Leave the layer out, `{short}`, and say which layer it is: --map {}={}.",
+                    "Write `{short}`, and choose the layer: --map {}={}.",
                     binding.name, candidate.group
                 ),
             }]);
@@ -543,7 +545,7 @@ impl Inputs {
             layers.any(|layers| layers.split('.').any(|field| field.eq_ignore_ascii_case(layer)))
         };
         let file = &unnamed().find(found)?.file;
-        let first = format!("`{layer}` is a layer of {}. Layers are no part of names.", file.name());
+        let first = format!("`{layer}` is a layer of {}. Names do not contain layers.", file.name());
         Some(std::iter::once(first).chain(file.missing(variable).hints).collect())
     }
 }

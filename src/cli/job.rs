@@ -20,26 +20,26 @@ Examples:
   pse job fire.pse --frames 1-100 -o fire.job
   pse job fire.pse --frames 1-1000 --chunk 20 -i fg.####.exr --picture fire.####.png -o fire.job
   pse job marble.pse --size 8192x8192 --samples 64 --tiles 4x4 --picture marble.png -o marble.job
-  openjd run fire.job/template.json                         run it here, to try it out
-  deadline bundle submit fire.job                           give it to AWS Deadline Cloud
+  openjd run fire.job/template.json                         run it on this machine
+  deadline bundle submit fire.job                           submit it to AWS Deadline Cloud
 
-All other options are those of pse run. The bundle has copies of the program, of what it imports and of its textures. \
-Images of -i stay where they are; the folder that they lie in is a parameter of the job.";
+All other options are those of pse run. The bundle contains copies of the program, its imports and its textures. \
+The images of -i are not copied; their folder is a parameter of the job.";
 
 /// What to run, in which parts, and where the bundle goes.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct JobArgs {
-    /// The folder of the bundle, which is made if it is not there
+    /// The folder of the bundle; created if missing
     #[arg(short = 'o', long, value_name = "DIR", help_heading = "Job")]
     bundle: PathBuf,
-    /// So many frames in one task, through the TASK_CHUNKING extension; one if not given
+    /// Frames per task, through the TASK_CHUNKING extension (default: 1)
     #[arg(long, value_name = "N", value_parser = super::run::positive, requires = "frames", help_heading = "Job")]
     chunk: Option<usize>,
-    /// Cut each picture into columns and rows of tiles, a task each, and join them in a second step
+    /// Cut each picture into C by R tiles, one task each, and join them in a second step
     #[arg(long, value_name = "CxR", help_heading = "Job")]
     tiles: Option<Tiles>,
-    /// The job's name; the program's if not given
+    /// The job's name (default: the program's name)
     #[arg(long, value_name = "NAME", value_parser = name, help_heading = "Job")]
     name: Option<String>,
     #[command(flatten)]
@@ -97,14 +97,14 @@ pub(super) fn job(args: &JobArgs) -> Result<(), Failure> {
             .hint("Give files."));
     }
     if run.solid.iso.is_some() {
-        return Err(Failure::usage("a job has no place for the program of --iso")
+        return Err(Failure::usage("a job cannot contain the program of --iso")
             .hint("Write the solid with pse scene --iso, and give the file with -i."));
     }
     check_frames(run, &plan)?;
     let job_name = match &args.name {
         Some(name) => name.clone(),
         None => name(&run.program.stem()).map_err(|e| {
-            Failure::usage(e).hint("The program's name is too long for it. Give one with --name.")
+            Failure::usage(e).hint("The program's name is too long. Give a job name with --name.")
         })?,
     };
     let pictures = pictures(run.output.clone(), &run.program.stem(), run.frames.is_some())?;
@@ -151,13 +151,13 @@ fn pictures(given: Vec<PathBuf>, stem: &str, several: bool) -> Result<Vec<PathBu
     let counted = |path: &&PathBuf| frames::has_pattern(&path.to_string_lossy());
     if let Some(path) = given.iter().find(counted).filter(|_| !several) {
         let shown = path.display();
-        return Err(Failure::usage(format!("--picture {shown} has a place for the frame's number"))
+        return Err(Failure::usage(format!("--picture {shown} needs a frame number, and none is given"))
             .hint("Give the frames: --frames 1-24, or --frames 1 for one."));
     }
     match given.iter().find(outside) {
         Some(path) => {
             let shown = path.display();
-            Err(Failure::usage(format!("--picture {shown} does not lie in the folder of the job's output"))
+            Err(Failure::usage(format!("--picture {shown} is outside the job's output folder"))
                 .hint("Give a name like fire.####.png. The folder is the job's parameter OutputDir."))
         }
         None => Ok(given),

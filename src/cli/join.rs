@@ -21,44 +21,45 @@ Examples:
   pse join marble.*.exr -o marble.exr -o marble.png
   pse join 'tiles/fire.####.{tile}.exr' --tiles 4x4 --frames 1-100 -o fire.####.png
 
-Tiles are .exr files that pse run wrote with --tile or --region. What is joined has the same bytes as what one run of \
-the whole picture writes, if --half, --bits and --raw are given here and not there.";
+Tiles are .exr files that pse run wrote with --tile or --region. The joined file has the same bytes as one run of the \
+whole picture, provided that you give --half, --bits and --raw to pse join and not to pse run.";
 
 /// Which tiles, and where to.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct JoinArgs {
-    /// The tiles; with --tiles, {tile} in a name stands for each number
+    /// The tiles; with --tiles, {tile} in a name stands for the number of each
     #[arg(required = true, value_name = "FILE")]
     files: Vec<String>,
-    /// How many columns and rows of tiles there have to be
+    /// Number of columns and rows of tiles to expect
     #[arg(long, value_name = "CxR")]
     tiles: Option<Tiles>,
-    /// What is given is all, though a part of the picture at the rim is in none of it
+    /// Accept tiles that do not cover the edges of the picture
     #[arg(long, conflicts_with = "tiles")]
     partial: bool,
-    /// Several pictures: 1-24, -3-3, 1,5,9 or 1-20x2. Names of files may hold the number as ####, @@@@, %d or %04d
+    /// Join several frames: 1-24, -3-3, 1,5,9 or 1-20x2. In file names, ####, @@@@, %d or %04d stands for the frame
+    /// number
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<Frames>,
-    /// A file to write, several if repeated; the extension tells the format
+    /// A file to write; repeat for several. The extension selects the format
     #[arg(short, long, required = true, value_name = "FILE")]
     output: Vec<PathBuf>,
-    /// EXR: 16-bit floats, but for surface, point and depth
+    /// EXR: write 16-bit floats, except for surface, point and depth
     #[arg(long)]
     half: bool,
-    /// PNG and TIFF: bits a component; 32 is for TIFF, as floats
+    /// PNG and TIFF: bits per component; 32 writes floats, TIFF only
     #[arg(long, value_name = "8|16|32", value_parser = super::run::bits)]
     bits: Option<u8>,
-    /// Write PNG, JPEG and the like as plain numbers, with no sRGB curve
+    /// Write pictures (PNG, JPEG, …) without sRGB conversion
     #[arg(long)]
     raw: bool,
-    /// Make the folders of the outputs
+    /// Create missing output folders
     #[arg(long)]
     mkdir: bool,
     /// Let an output replace a tile
     #[arg(long)]
     force: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     quiet: bool,
 }
@@ -74,12 +75,10 @@ pub(super) fn join(args: &JoinArgs) -> Result<(), Failure> {
         if has != (frames > 0) && (has || frames > 1) {
             let shown = path.display();
             return Err(match has {
-                true => {
-                    Failure::usage(format!("{shown} has a place for the frame's number, and none is given"))
-                        .hint("Give the frames: --frames 1-24.")
-                }
-                false => Failure::usage(format!("{frames} frames cannot all be written to {shown}"))
-                    .hint("Give a place for the frame's number: -o out.####.png."),
+                true => Failure::usage(format!("{shown} needs a frame number, and none is given"))
+                    .hint("Give the frames: --frames 1-24."),
+                false => Failure::usage(format!("{frames} frames would all be written to {shown}"))
+                    .hint("Put the frame number into the name: -o out.####.png."),
             });
         }
     }
@@ -109,7 +108,7 @@ impl JoinArgs {
         if !whole && !self.partial && self.tiles.is_none() {
             let message = format!("the tiles hold {} of a picture of {w}x{h}", joined.whole);
             return Err(Failure::plain(message).hint(
-                "A tile at the rim may be missing. Say how many there have to be, as in --tiles 4x4; or with --partial that this is all.",
+                "A tile at the edge may be missing. Give the number of tiles, as in --tiles 4x4; or add --partial if no tile is missing.",
             ));
         }
         for path in &self.output {
@@ -158,8 +157,10 @@ impl JoinArgs {
                     names.extend((1..=tiles.count()).map(|n| tiles::fill(&name, n)));
                 }
                 None if tiles::has_place(&name) => {
-                    return Err(Failure::usage(format!("{name} stands for several tiles"))
-                        .hint("Say how many there are: --tiles 4x4."));
+                    return Err(Failure::usage(format!(
+                        "{name} matches several tiles, and their number is not given"
+                    ))
+                    .hint("Give their number: --tiles 4x4."));
                 }
                 _ => names.push(name),
             }
@@ -197,22 +198,18 @@ impl Joined {
             let file = read(Input::Path(name.into()), &ReadOptions::default()).map_err(|error| {
                 let missing = matches!(error.kind, ErrorKind::Io(std::io::ErrorKind::NotFound));
                 let failure = Failure::from(error);
-                if missing {
-                    failure.hint("Each tile has to be there before they are joined.")
-                } else {
-                    failure
-                }
+                if missing { failure.hint("Render the missing tile first.") } else { failure }
             })?;
             if !file.seeks() {
-                return Err(Failure::plain(format!("`{name}` is no tile: it is no EXR file"))
-                    .hint("Only .exr files hold the numbers as they were computed, and where they lie."));
+                return Err(Failure::plain(format!("`{name}` is not a tile: it is not an EXR file"))
+                    .hint("Write tiles as .exr files: other formats do not hold the exact numbers and their position."));
             }
             let [width, height] = file.size();
             let region =
                 Region::held(&Image { width, height, metadata: file.metadata().clone(), ..Image::default() });
             tiles.push(Tile { region, file });
         }
-        let Some(first) = tiles.first() else { return Err(Failure::usage("there are no tiles")) };
+        let Some(first) = tiles.first() else { return Err(Failure::usage("no tiles are given")) };
         let mut whole = first.region;
         for tile in &tiles {
             same_kind(first, tile)?;
@@ -302,7 +299,7 @@ fn cover(tiles: &[Tile], whole: Region) -> Result<(), Failure> {
         {
             let (a, b) = (other.file.name(), tile.file.name());
             return Err(Failure::plain(format!("`{a}` and `{b}` both hold the pixels {both}"))
-                .hint("Perhaps files of another run are among the tiles. Join only those of one."));
+                .hint("Some files may be of another run. Join the tiles of one run."));
         }
         pixels += tile.region.area();
     }
@@ -310,7 +307,7 @@ fn cover(tiles: &[Tile], whole: Region) -> Result<(), Failure> {
         true => Ok(()),
         false => {
             Err(Failure::plain(format!("{} of the pixels {whole} are in no tile", whole.area() - pixels))
-                .hint("A tile is missing among the files."))
+                .hint("A tile is missing."))
         }
     }
 }

@@ -22,9 +22,9 @@ use std::path::PathBuf;
 
 /// How the server works.
 #[derive(Debug, Args)]
-#[command(after_help = "An editor starts it; editors/README.md tells how.")]
+#[command(after_help = "Editors start it; see editors/README.md for their settings.")]
 pub(super) struct LspArgs {
-    /// Look for imported files and for textures in this folder too
+    /// Also look for imported files and textures in this folder
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
     /// Some editors say this to every server; it is the only way there is
@@ -48,7 +48,7 @@ pub(super) fn lsp(args: &LspArgs) -> Result<(), Failure> {
     let _ = writer.join();
     match ended {
         true => Ok(()),
-        false => Err(Failure::plain("the editor left without saying shutdown and exit")),
+        false => Err(Failure::plain("the editor closed the connection without shutdown and exit")),
     }
 }
 

@@ -47,18 +47,19 @@ Examples:
   pse run -e 'white * Noise(8 * point)'        paint the built-in donut, into out.png
   pse run marble.pse -i gbuffer.exr -o a.png   run a program on a renderer's G-buffer
   pse run marble.pse --set veins=6 -o a.exr    set one of its params
-  pse view marble.pse --open                   see it in the browser while you write it
-  pse repl --scene vase                        try things out line by line
+  pse view marble.pse --open                   see the picture while you write the program
+  pse repl --scene vase                        try things out at a prompt
   pse trace marble.pse --pixel 320,200         what happens at a pixel, step by step
-  pse job fire.pse --frames 1-100 -o fire.job  a bundle for a render farm
+  pse job fire.pse --frames 1-100 -o fire.job  a job bundle for a render farm
   pse scene --list                             the built-in G-buffers
   pse run marble.pse --mesh teapot.obj         paint a mesh; pse scene writes its G-buffer
   pse deform teapot.obj wobble.pse -o b.obj    move the vertices of a mesh
-  pse info gbuffer.exr                         what is in a file, and what programs call it
+  pse info gbuffer.exr                         what a file contains, and its variables
   pse noise -o noise.png                       the kinds of noise, with their spectra
   pse doc Noise                                what a function does
 
-Exit status: 0 if all went well, 1 if a program or a file is at fault, 2 if the arguments are, 130 if interrupted.";
+Exit status: 0 on success, 1 for an error in a program or a file, 2 for an error in the arguments, 130 if
+interrupted.";
 
 /// The pixel stream editor: runs a small program at every pixel of an image
 #[derive(Debug, Parser)]
@@ -72,39 +73,39 @@ pub struct Cli {
 enum Command {
     /// Run a program at every pixel of an image
     Run(Box<run::RunArgs>),
-    /// Show a program's picture in the browser, drawn anew at every change
+    /// Show a program's picture in the browser and redraw it at every change
     View(Box<view::PreviewArgs>),
-    /// Try out the language line by line
+    /// Try programs line by line at a prompt
     Repl(repl::ReplArgs),
-    /// Tell all that happens at one pixel: assignments, branches, calls, and where NaN comes from
+    /// Trace everything that happens at one pixel: assignments, branches, calls, and where NaN comes from
     Trace(Box<trace::TraceArgs>),
-    /// Put a run of many frames or tiles into a bundle for a render farm
+    /// Package a run of many frames or tiles as a job bundle for a render farm
     Job(Box<job::JobArgs>),
-    /// Join the tiles of a picture
+    /// Join the tiles of a picture into one file
     Join(join::JoinArgs),
     /// Write the G-buffer of a built-in scene, a mesh or a solid, or list the scenes
     Scene(scene::SceneArgs),
-    /// Follow points that a program's velocity carries along, and draw their lines
+    /// Follow points along a program's velocity field and draw their paths
     Flow(Box<flow::FlowArgs>),
-    /// Run a program at every vertex of a mesh, and move it
+    /// Move the vertices of a mesh with a program
     Deform(deform::DeformArgs),
-    /// Show the kinds of noise, with their spectra, or tell about them
+    /// List the kinds of noise, describe them, or draw them with their spectra
     Noise(noise::NoiseArgs),
-    /// Tell what an image file holds, and what programs call it
+    /// Show what an image or mesh file contains and which variables programs read from it
     Info(info::InfoArgs),
-    /// Look for mistakes in programs without running them
+    /// Check programs for mistakes without running them
     Check(check::CheckArgs),
-    /// Bring programs into their canonical form
+    /// Format programs in the canonical style
     Fmt(fmt::FmtArgs),
     /// Explain a function or another name of the language
     Doc(doc::DocArgs),
-    /// Show how a program was understood, as a tree
+    /// Print a program's syntax tree
     Ast(ast::AstArgs),
-    /// Help an editor: a language server on standard input and output
+    /// Serve an editor: the language server, on standard input and output
     Lsp(lsp::LspArgs),
-    /// Print the completions for a shell
+    /// Print the completion script for a shell
     Completions(completions::CompletionsArgs),
-    /// Print the manual page, or write a page for each command
+    /// Print the manual page, or write one page per command
     Man(completions::ManArgs),
 }
 
@@ -134,7 +135,10 @@ fn about_recenter(args: impl Iterator<Item = std::ffi::OsString>) -> Option<Stri
     let words: Vec<String> = args.map(|arg| arg.to_string_lossy().into_owned()).collect();
     let pair =
         words.windows(2).find(|pair| pair[0] == "--recenter" && pse::scene::parse_point(&pair[1]).is_ok())?;
-    Some(format!("\n  tip: write --recenter={}; without a value it takes the middle of the mesh", pair[1]))
+    Some(format!(
+        "\n  tip: write --recenter={}; without a value, --recenter uses the middle of the mesh",
+        pair[1]
+    ))
 }
 
 /// Does what the arguments say, and tells how it ended.

@@ -13,10 +13,10 @@ use std::time::SystemTime;
 /// Which way is up in a file of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Up {
-    /// Along y, as glTF has it and most OBJ and PLY files have; it is turned
+    /// y is up, as in glTF and most OBJ and PLY files; the mesh is rotated
     #[default]
     Y,
-    /// Along z, as in scenes; nothing is turned
+    /// z is up, as in the built-in scenes; the mesh is not rotated
     Z,
 }
 
@@ -54,7 +54,7 @@ pub(super) const MIDDLE: &str = "middle";
 pub(super) fn warn_coarse(path: &Path, mesh: &mesh::Mesh) {
     if let Some(step) = mesh.coarse_step() {
         warn(&format!(
-            "{}: the mesh is so far from the origin that its `point`, in 32 bits, has steps of {}. Add --recenter to \
+            "{}: the mesh is so far from the origin that its `point`, in 32-bit floats, has steps of {}. Add --recenter to \
              move its middle to the origin.",
             path.display(),
             step as f32
@@ -94,7 +94,7 @@ pub(super) fn load(
             mesh.translate([-x, -y, -z]);
             if !quiet && recenter == Recenter::Middle {
                 let path = path.display();
-                warn(&format!("{path}: what was at {x},{y},{z} is at the origin (--recenter={x},{y},{z})"));
+                warn(&format!("{path}: moved {x},{y},{z} to the origin (--recenter={x},{y},{z})"));
             }
         }
         None if !quiet => warn_coarse(path, &mesh),

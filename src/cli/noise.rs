@@ -16,52 +16,52 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  pse noise                                   the kinds, a line each
-  pse noise --list wiener                     all that is known of one
-  pse noise -o sheet.png                      the look and the spectra of all kinds
+  pse noise                                   list the kinds
+  pse noise --list wiener                     describe one kind in full
+  pse noise -o sheet.png                      draw all kinds with their spectra
   pse noise value gradient value_gradient hermite lattice_convolution sparse_convolution
                                               Peachey's figures 2.35 to 2.37, into noise.png
   pse noise fractalsum:gradient turbulence:gradient    his figures 2.38 and 2.39
   pse noise sparse_convolution sparse_convolution,density=1 sparse_convolution,kernel=gabor
-                                              as figure 5 of Lewis
+                                              Lewis's figure 5
   pse noise wiener --set covariance=oscillatory --set period=8 --seed 3
 
-A row of the sheet shows, of one noise: a plane section through the solid (grey, from 2.5 deviations below the mean to \
-as many above); its values along the middle of that section; the power of plane sections by frequency, with the band \
-from 0.3 to 0.7 cycles a unit marked; the amplitude by frequency of long straight sections; a histogram.
+Each row of the picture shows one noise: a plane section (grey, from 2.5 standard deviations below the mean to 2.5 \
+above); its values along the middle row; the power spectrum of plane sections, with the band from 0.3 to 0.7 cycles per \
+unit marked; the amplitude spectrum along straight lines; a histogram.
 
-Beside a kind there are turbulence, fractalsum, fBm, ridged and hybrid: sums of octaves of Noise as it is without \
-a kind, or, as turbulence:KIND, of another. Their spectra have logarithmic axes.";
+Besides kinds you can draw sums of octaves: turbulence, fractalsum, fBm, ridged and hybrid. They use the default kind; \
+turbulence:KIND uses another. Their spectra have logarithmic axes.";
 
 /// Which noises, and where to.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct NoiseArgs {
-    /// The kinds or sums, with options of their own; all if none is given
+    /// The kinds or sums of octaves, with their options (default: all)
     #[arg(value_name = "KIND[,OPTION=VALUE]")]
     kinds: Vec<String>,
-    /// Tell all that is known of the kinds
+    /// Describe the kinds in full
     #[arg(long, conflicts_with_all = ["output", "set", "seed", "dimensions", "size", "force"])]
     list: bool,
-    /// The picture to write, noise.png if there are kinds and it is not given; - is standard output, as EXR
+    /// The picture to write; - writes EXR to standard output (default: noise.png if kinds are given)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// An option for all of them: density=3, kernel=gabor, period=4,4,0
+    /// Set an option for all kinds: density=3, kernel=gabor, period=4,4,0
     #[arg(long, value_name = "OPTION=VALUE")]
     set: Vec<String>,
     /// The seed
     #[arg(long, value_name = "N", default_value_t = 0.0, allow_negative_numbers = true)]
     seed: f32,
-    /// How many coordinates a point has; 3, or what is next to that, if not given
+    /// Dimensions of a point (default: 3, or the nearest that the kind has)
     #[arg(long, value_name = "1-4", value_parser = clap::value_parser!(u8).range(1..=4))]
     dimensions: Option<u8>,
-    /// The side of a plane section, in pixels
+    /// The side of a plane section in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 192, value_parser = clap::value_parser!(u16).range(64..=1024))]
     size: u16,
-    /// Let noise.png, written without -o, replace a file that pse did not write
+    /// Let the default output noise.png replace a file that pse did not write
     #[arg(long)]
     force: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     quiet: bool,
 }

@@ -15,8 +15,8 @@ pub(super) fn check(path: &Path) -> Result<Format, Failure> {
     let format = Format::of(path)?;
     if path.as_os_str() == "-" {
         if std::io::stdout().is_terminal() {
-            return Err(Failure::plain("an EXR file is not for the terminal's eyes")
-                .hint("Send it to a file or a program: … -o - | pse run other.pse -i - -o out.png."));
+            return Err(Failure::plain("cannot write an EXR file to the terminal")
+                .hint("Redirect it to a file or a program: … -o - | pse run other.pse -i - -o out.png."));
         }
         return Ok(format);
     }
@@ -53,7 +53,7 @@ impl Distinct {
             }
             Some(other) => {
                 let (one, two) = (other.display(), path.display());
-                Err(Failure::usage(format!("the outputs `{one}` and `{two}` are one file")))
+                Err(Failure::usage(format!("the outputs `{one}` and `{two}` are the same file")))
             }
             None => {
                 self.known.extend(keys.into_iter().map(|key| (key, path.to_path_buf())));
@@ -72,7 +72,7 @@ pub(super) fn force(given: bool) {
 pub(super) fn or_mkdir(failure: Failure, path: &Path) -> Failure {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     match folder.is_some_and(|folder| !folder.exists()) {
-        true => failure.hint("Or add --mkdir, which makes it."),
+        true => failure.hint("Or create it with --mkdir."),
         false => failure,
     }
 }
@@ -81,7 +81,7 @@ pub(super) fn or_mkdir(failure: Failure, path: &Path) -> Failure {
 pub(super) fn make_folder(path: &Path) -> Result<(), Failure> {
     let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) else { return Ok(()) };
     std::fs::create_dir_all(folder)
-        .map_err(|e| Failure::plain(format!("cannot make the folder `{}`: {}", folder.display(), why(&e))))
+        .map_err(|e| Failure::plain(format!("cannot create the folder `{}`: {}", folder.display(), why(&e))))
 }
 
 /// What messages call it.
@@ -108,7 +108,7 @@ pub(super) fn shown_variable(
         Some([one]) => Ok(Some(one.clone())),
         Some(vars) => {
             Err(no_color(&format!("a picture shows color or one variable, not {}", vars.join(" and ")))
-                .hint("An .exr file holds them all."))
+                .hint("Write an .exr file, which holds all of them."))
         }
         None if by_normal || assigned.contains(&"color") || assigned.is_empty() => Ok(None),
         None => Err(assigned
@@ -130,7 +130,7 @@ pub(super) fn shown_variable(
 pub(super) fn picture<'a>(image: &'a Image<'a>, name: &str) -> Result<Image<'a>, Failure> {
     let Some(variable) = image.variable(name) else { return Ok(image.clone()) };
     if !matches!(variable.shape, Shape::Scalar | Shape::Vector(3 | 4)) {
-        let message = format!("{name} is {}, which no picture shows", variable.shape);
+        let message = format!("{name} is {}, which a picture cannot show", variable.shape);
         return Err(Failure::plain(message)
             .hint("A picture shows a scalar (as grey) or a vector of 3 or 4 (as a colour)."));
     }

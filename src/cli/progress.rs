@@ -15,12 +15,12 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// How progress is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Style {
-    /// A bar on the terminal, if the run takes more than a second
+    /// A bar on the terminal when the run takes longer than a second
     #[default]
     Bar,
-    /// Lines `openjd_progress:` and `openjd_status:` on standard output, as Open Job Description has them
+    /// `openjd_progress:` and `openjd_status:` lines on standard output, for Open Job Description
     Openjd,
-    /// Not at all
+    /// No progress
     None,
 }
 

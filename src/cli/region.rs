@@ -22,7 +22,7 @@ impl FromStr for Region {
     fn from_str(text: &str) -> Result<Region, String> {
         let form = || {
             format!(
-                "`{text}` is no region; write x0,y0,x1,y1 or WxH+X+Y, for example 0,0,320,240 or 320x240+0+0"
+                "`{text}` is not a region; write x0,y0,x1,y1 or WxH+X+Y, for example 0,0,320,240 or 320x240+0+0"
             )
         };
         let number = |t: &str| t.trim().parse::<i32>().map(i64::from).map_err(|_| form());
@@ -40,7 +40,7 @@ impl FromStr for Region {
         if region.x0 < region.x1 && region.y0 < region.y1 {
             Ok(region)
         } else {
-            Err(format!("the region `{text}` has no pixels: x1 and y1 are one past the last"))
+            Err(format!("the region `{text}` has no pixels: x1 and y1 are exclusive"))
         }
     }
 }
@@ -90,7 +90,7 @@ impl Region {
     pub fn inside(self, image: &Image<'_>) -> Result<Region, Failure> {
         let held = Region::held(image);
         self.and(held).ok_or_else(|| {
-            let message = format!("the region {self} lies outside the image");
+            let message = format!("the region {self} is outside the image");
             Failure::plain(message).hint(format!("The image holds {held}."))
         })
     }

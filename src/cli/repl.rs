@@ -25,22 +25,22 @@ use std::sync::atomic::Ordering;
 #[command(
     after_help = "Examples:\n  pse repl\n  pse repl -i gbuffer.exr\n  pse repl --scene vase marble.pse\n  \
                         echo 'mean(point)' | pse repl\n\n\
-                        An expression is told at a pixel and over the image; other lines build up a program. \
-                        :help lists the commands. Without a terminal, lines are read and results printed, \
-                        without prompts and colours."
+                        An expression prints its value at the current pixel and its minimum, mean and maximum over \
+                        the image; other lines are added to the program. :help lists the commands. Without a \
+                        terminal, pse repl reads lines from standard input and prints no prompts or colours."
 )]
 pub(super) struct ReplArgs {
-    /// A program to begin with
+    /// A program to load first
     program: Option<PathBuf>,
     #[command(flatten)]
     images: ImageArgs,
     /// Set a param to an expression: veins=6
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// The number of the frame; that in the name or the header of the input if not given
+    /// The frame number (default: the one in the input's name or header)
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frame: Option<FrameArg>,
-    /// Look for imported files and for textures in this folder too
+    /// Also look for imported files and textures in this folder
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
     #[command(flatten)]
@@ -88,7 +88,7 @@ fn at_terminal(mut session: Session) -> Result<(), Failure> {
     let mut editor = Editor::new()?;
     let about = session.about();
     let version = env!("CARGO_PKG_VERSION");
-    print(&format!("pse {version}: {about}. :help tells what there is, :quit ends.\n"))?;
+    print(&format!("pse {version}: {about}. :help lists the commands, :quit ends.\n"))?;
     loop {
         match editor.read(&session) {
             Read::Text(text) => {

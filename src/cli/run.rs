@@ -20,7 +20,7 @@ use super::output;
 use super::prints::Shown;
 use super::progress::Meter;
 use super::region::Region;
-use super::solid::{tell, warn_unseen};
+use super::solid::{print_stats, warn_unseen};
 use input::FrameInput;
 use plan::Output;
 use pse::image::Image;
@@ -51,7 +51,9 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let view = &args.images.view;
     let moves = view.mesh.as_deref().is_some_and(frames::is_sequence) && plan.frames.len() > 1;
     if moves && !args.quiet && (view.eye.is_none() || view.look_at.is_none() || view.fov.is_none()) {
-        warn("each mesh is framed by itself: give --eye, --look-at and --fov for a camera that stays");
+        warn(
+            "the default camera is different for each frame's mesh. Give --eye, --look-at and --fov for a fixed camera",
+        );
     }
     let mut failed = Vec::new();
     let mut skipped = 0;
@@ -71,7 +73,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
                 };
                 meter.frame();
                 failure.report();
-                warn(&format!("frame {number} failed; the others go on"));
+                warn(&format!("frame {number} failed; continuing with the next"));
                 failed.push(number);
             }
         }
@@ -79,7 +81,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     work.prints.end();
     let all = plan.frames.len();
     if skipped > 0 && !args.quiet {
-        warn(&format!("{skipped} of {all} frames were there already"));
+        warn(&format!("skipped {skipped} of {all} frames: their files are complete"));
     }
     if failed.is_empty() {
         return Ok(());
@@ -180,14 +182,14 @@ impl Work<'_> {
             return;
         }
         let number = frame.number.map_or(String::new(), |number| format!(" {number}"));
-        warn(&format!("frame{number} is {}x{}, and the first frame is {w}x{h}", size[0], size[1]));
+        warn(&format!("frame{number} is {}x{}, but the first frame is {w}x{h}", size[0], size[1]));
     }
 
     /// Says what holds for all frames.
     fn tell_once(&self, outputs: &[Output]) {
         if self.plan.by_default {
             let scene = plan::DEFAULT_SCENE;
-            warn(&format!("no input: this is the scene {scene} (see pse scene --list, or give -i FILE)"));
+            warn(&format!("no input: using the scene {scene} (see pse scene --list, or give -i FILE)"));
         }
         self.plan.frame_notes.iter().for_each(|note| warn(note));
         // Who names what is written means it.
@@ -201,7 +203,7 @@ impl Work<'_> {
         if let Some(output) = outputs.iter().find(|o| self.args.resume && !o.format.holds_stamp()) {
             let shown = output::shown(&output.path);
             warn(&format!(
-                "--resume: {shown} cannot hold the hash of its run, as .exr and .png files can, so it is written each time"
+                "--resume: {shown} has no room for the hash of the run, so it is written every time; .exr and .png files have"
             ));
         }
     }
@@ -290,7 +292,7 @@ impl Job<'_> {
         if !args.quiet {
             if outcome.by_normal {
                 let note = Diagnostic::bare("normal", "the program assigns no color")
-                    .hint("The picture shows the surface in white by the normal that the program gave it.")
+                    .hint("The picture shows a white surface, shaded with the program's normal.")
                     .warning();
                 show(&note);
             }
@@ -315,12 +317,12 @@ impl Job<'_> {
                 warn(&format!("{n} pixel{s} {hold} NaN or infinity"));
             }
         }
-        if let Some(told) = input.told().filter(|_| !args.quiet) {
-            warn_unseen(&told, &args.solid);
+        if let Some(stats) = input.solid_stats().filter(|_| !args.quiet) {
+            warn_unseen(&stats, &args.solid);
         }
         if args.stats {
             stats.print();
-            input.told().iter().for_each(tell);
+            input.solid_stats().iter().for_each(print_stats);
         }
         if let Some(profile) = &outcome.profile {
             profile::print(profile, plan.program.sources(), stats.pixels);

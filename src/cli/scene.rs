@@ -9,7 +9,7 @@ use super::output;
 use super::progress::{Meter, Style};
 use super::region::bands;
 use super::run::set;
-use super::solid::{SolidArgs, tell, warn_unseen};
+use super::solid::{SolidArgs, print_stats, warn_unseen};
 use clap::Args;
 use pse::image::{Format, WriteOptions, Writer, check_target};
 use pse::internal::program::{Limits, Progress};
@@ -24,31 +24,31 @@ use std::sync::atomic::Ordering;
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "View of a scene")]
 pub(super) struct ViewArgs {
-    /// A mesh to look at instead of a built-in scene: .obj, .ply, .glb or .gltf; or head, which is built in
+    /// Use a mesh as input instead of a built-in scene: an .obj, .ply, .glb or .gltf file, or the built-in head
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<String>,
-    /// Which way is up in the mesh's file. It is turned so that z is up
+    /// The up axis in the mesh file. The mesh is rotated so that z is up
     #[arg(long, value_enum, value_name = "AXIS", requires = "mesh")]
     pub up: Option<Up>,
-    /// Move the mesh so that its middle, or the point given, is at the origin. Far from it `point` has few digits
+    /// Move the mesh's middle, or the given point, to the origin. Far from the origin, point loses precision
     #[arg(
         long, value_name = "X,Y,Z", requires = "mesh", value_parser = Recenter::parse,
         num_args = 0..=1, require_equals = true, default_missing_value = MIDDLE
     )]
     pub recenter: Option<Recenter>,
-    /// Columns and rows of the picture, 640x480 if not given
+    /// Width and height of the picture in pixels (default: 640x480)
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<Size>,
-    /// Where the eye is, in the space where z is up; of an image, in the space of point
+    /// Position of the eye, with z up; for an image, in the space of point
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub eye: Option<Point>,
-    /// The point in the middle of the picture
+    /// The point at the centre of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub look_at: Option<Point>,
-    /// The vertical angle of the view, in degrees
+    /// Vertical field of view in degrees
     #[arg(long, value_name = "DEGREES")]
     pub fov: Option<f64>,
-    /// Make the whole scene so much larger, so that noise on it looks finer
+    /// Scale the whole scene by this factor; noise on a larger scene looks finer
     #[arg(long, value_name = "FACTOR")]
     pub scale: Option<f64>,
 }
@@ -75,7 +75,7 @@ impl ViewArgs {
         let ViewArgs { size, eye, look_at, fov, scale, mesh: _, up: _, recenter: _ } = self;
         if size.is_some() || scale.is_some() {
             return Err(Failure::usage("--size and --scale need a --scene or a --mesh")
-                .hint("An image has the size and the points that it has."));
+                .hint("The size and the points of an image are fixed."));
         }
         if eye.is_none() && (look_at.is_some() || fov.is_some()) || look_at.is_none() && fov.is_some() {
             let (has, misses) = match (look_at, eye) {
@@ -83,7 +83,7 @@ impl ViewArgs {
                 (None, Some(_)) => ("--fov", "--look-at"),
                 (None, None) => ("--fov", "--eye and --look-at"),
             };
-            return Err(Failure::usage(format!("for an image, {has} needs {misses}")).hint("--eye 3,-8,5 says where the eye is. With --look-at the program has the space \"camera\", with \
+            return Err(Failure::usage(format!("for an image, {has} needs {misses}")).hint("--eye 3,-8,5 gives the position of the eye. With --look-at the program has the space \"camera\", with \
                        --fov also \"screen\"."));
         }
         Ok(())
@@ -144,22 +144,23 @@ impl fmt::Display for Seen {
                         pse scene --iso coral.pse -o coral.exr --eye 2,-6,3\n  \
                         pse scene --iso coral.pse -o coral.ply --resolution 256")]
 pub(super) struct SceneArgs {
-    /// The scene; without it, and without --mesh and --iso, the scenes are listed
+    /// The scene (without it, --mesh or --iso: list the scenes)
     #[arg(conflicts_with_all = ["mesh", "iso"])]
     name: Option<String>,
     /// List the scenes
     #[arg(long, conflicts_with_all = ["name", "mesh", "iso"])]
     list: bool,
-    /// The file to write, NAME.exr if not given; - is standard output. Of a solid also a mesh, with y up: .obj, .ply or .glb
+    /// The file to write; - writes standard output (default: NAME.exr). For a solid also a mesh, with y up: .obj,
+    /// .ply or .glb
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// The number of the frame, for a solid and in the names of files; that in the mesh's name if not given
+    /// The frame number, for a solid and in file names (default: the one in the mesh's file name)
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frame: Option<FrameArg>,
-    /// Let the output replace an input, and one without -o a file that pse did not write
+    /// Let the output replace an input, and a default output replace a file that pse did not write
     #[arg(long)]
     force: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     quiet: bool,
     #[command(flatten)]
@@ -174,16 +175,16 @@ pub(super) struct SceneArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Solid")]
 struct MakingArgs {
-    /// Cells of a mesh along the longest side of the box
+    /// For a mesh of a solid: cells along the longest side of the box
     #[arg(long, value_name = "N", requires = "iso", default_value_t = 128)]
     resolution: usize,
-    /// Set a param of the solid's program to an expression: size=6
+    /// Set a param of the solid's program: size=6
     #[arg(long, value_name = "NAME=VALUE", requires = "iso")]
     set: Vec<String>,
-    /// Look for files that the solid's program imports in this folder too
+    /// Also look for files that the solid's program imports in this folder
     #[arg(long, value_name = "DIR", requires = "iso")]
     path: Vec<PathBuf>,
-    /// Tell how the surface was found
+    /// Print statistics of the search for the surface
     #[arg(long, requires = "iso")]
     stats: bool,
 }
@@ -244,9 +245,7 @@ impl SceneArgs {
 fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
     let SceneArgs { solid, view, making, .. } = args;
     if view.mesh.is_some() {
-        return Err(
-            Failure::usage("--iso and --mesh are two surfaces for one").hint("Leave out one of them.")
-        );
+        return Err(Failure::usage("--iso and --mesh cannot be combined").hint("Remove one of them."));
     }
     let stem = file.file_stem().filter(|_| file.as_os_str() != "-");
     let name = stem.map_or("solid".into(), |s| s.to_string_lossy().into_owned());
@@ -257,12 +256,12 @@ fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
             mesh::Format::to_write(&path)?;
             check_target(&path)?;
             if solid.soft {
-                return Err(Failure::usage("what is soft has no surface for a mesh")
-                    .hint("Leave out --soft, or write an .exr file."));
+                return Err(Failure::usage("a volume has no surface, so it cannot be written as a mesh")
+                    .hint("Remove --soft, or write an .exr file."));
             }
         }
         false => {
-            let meshes = "A mesh of the solid is written as .obj, .ply or .glb, its G-buffer as .exr.";
+            let meshes = "Write the solid's mesh as .obj, .ply or .glb, or its G-buffer as .exr.";
             let known = Format::of(&path).is_ok();
             output::check(&path).map_err(|f| if known { f } else { f.hint(meshes) })?;
         }
@@ -278,8 +277,8 @@ fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
         let mut mesh = found.mesh(making.resolution, &|progress| meter.update(progress))?;
         meter.frame();
         if mesh.faces.is_empty() {
-            return Err(Failure::plain("there is no surface in the box")
-                .hint("See whether the density passes the --level within the --box."));
+            return Err(Failure::plain("the box contains no surface")
+                .hint("Check that the density crosses the --level inside the --box."));
         }
         // As other programs, and --mesh, take it to be.
         mesh.z_up_to_y_up();
@@ -295,11 +294,11 @@ fn solid(args: &SceneArgs, file: &Path) -> Result<(), Failure> {
             (0..height).step_by(BAND.div_ceil(width)).map(|top| top..height.min(top + BAND.div_ceil(width)));
         write(args, &name, &path, Finder::Solid(&found), rows)?;
         if !args.quiet {
-            warn_unseen(&found.told(), solid);
+            warn_unseen(&found.stats(), solid);
         }
     }
     if making.stats {
-        tell(&found.told());
+        print_stats(&found.stats());
     }
     Ok(())
 }

@@ -12,30 +12,30 @@ use pse::image::Image;
 use pse::internal::program::{Compiler, Limits, RunOptions};
 use pse::internal::value::PixelValue;
 use pse::scene::Renderer;
-use pse::solid::{Isosurface, SolidError, SolidOptions, Told};
+use pse::solid::{Isosurface, SolidError, SolidOptions, SolidStats};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// A solid that a program tells of.
+/// A solid from a density function.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Solid")]
 pub(super) struct SolidArgs {
-    /// A program with a function density(p): the surface where it passes the level
+    /// Use a solid as input: a program with a function density(p). Its surface is where the density equals the level
     #[arg(long, value_name = "FILE")]
     pub iso: Option<PathBuf>,
-    /// Inside the density is more than this, 0 if not given
+    /// The density at the surface; inside it is higher (default: 0)
     #[arg(long, value_name = "DENSITY", requires = "iso", allow_hyphen_values = true)]
     pub level: Option<f64>,
-    /// The box that the solid lies in, -1.5,-1.5,-1.5,1.5,1.5,1.5 if not given; what goes on beyond is cut off
+    /// Two corners of the box around the solid; parts outside are cut off (default: -1.5,-1.5,-1.5,1.5,1.5,1.5)
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", requires = "iso", value_parser = bounds, allow_hyphen_values = true)]
     pub bounds: Option<Bounds>,
-    /// The density never changes by more than this in a unit of space; estimated if not given
+    /// The density's maximum change per unit of distance (default: estimated)
     #[arg(long, value_name = "SLOPE", requires = "iso")]
     pub lipschitz: Option<f64>,
-    /// No surface: what is over the level dims the light along the ray, and gives off emission(p)
+    /// Render as a volume: absorb where the density exceeds the level, and emit emission(p)
     #[arg(long, requires = "iso")]
     pub soft: bool,
-    /// The longest step through what is soft, a 256th of the box if not given
+    /// The longest step through a volume (default: 1/256 of the box)
     #[arg(long, value_name = "LENGTH", requires = "soft")]
     pub step: Option<f64>,
 }
@@ -130,30 +130,30 @@ impl Found {
     }
 }
 
-/// Says what the search for the surface was like.
-pub(super) fn tell(told: &Told) {
-    warn(&format!("density asked at     {} points", told.asked));
-    if let Some([low, high]) = told.slopes {
-        warn(&format!("slope at most        {low:.4} to {high:.4}"));
-        warn(&format!("steps of a ray       {} at most", told.steps));
-        warn(&format!("slope contradicted   {} times", told.contradictions));
+/// Prints statistics of the search for the surface.
+pub(super) fn print_stats(stats: &SolidStats) {
+    warn(&format!("density evaluated at {} points", stats.evaluations));
+    if let Some([low, high]) = stats.slope_bounds {
+        warn(&format!("largest slope        {low:.4} to {high:.4}"));
+        warn(&format!("steps per ray        {} at most", stats.max_steps));
+        warn(&format!("slope exceeded       {} times", stats.contradictions));
     }
-    if told.seen > 0 {
-        warn(&format!("seen at              {} pixels", told.seen));
+    if stats.visible_pixels > 0 {
+        warn(&format!("visible at           {} pixels", stats.visible_pixels));
     }
 }
 
-/// Says that there is nothing in the picture, or that something may be missing.
-pub(super) fn warn_unseen(told: &Told, solid: &SolidArgs) {
-    if let (Some(slope), 1..) = (solid.lipschitz, told.contradictions) {
-        let n = told.contradictions;
+/// Warns if the picture is empty, or parts of the solid may be missing.
+pub(super) fn warn_unseen(stats: &SolidStats, solid: &SolidArgs) {
+    if let (Some(slope), 1..) = (solid.lipschitz, stats.contradictions) {
+        let n = stats.contradictions;
         warn(&format!(
-            "the density is steeper than --lipschitz {slope} says, as {n} steps have found: parts of the solid may be missing"
+            "the density is steeper than --lipschitz {slope} at {n} steps: parts of the solid may be missing. Give a larger bound, or none"
         ));
     }
-    if told.seen == 0 {
+    if stats.visible_pixels == 0 {
         warn(
-            "nothing of the solid is seen: look at it from elsewhere, or see whether its density passes the --level within the --box",
+            "no pixel shows the solid. Move the eye, or check that the density crosses the --level inside the --box",
         );
     }
 }

@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 /// Which program.
 #[derive(Debug, Args)]
 pub(super) struct ProgramArgs {
-    /// The program's file; - is standard input
+    /// The program file; - reads standard input
     #[arg(required_unless_present = "lines", conflicts_with = "lines")]
     pub program: Option<PathBuf>,
-    /// A line of the program instead of a file; repeat it for more lines
+    /// A line of program text instead of a file; repeat for more lines
     #[arg(short = 'e', long = "expression", value_name = "LINE", allow_hyphen_values = true)]
     pub lines: Vec<String>,
-    /// Look for imported files and for textures in this folder too
+    /// Also look for imported files and textures in this folder
     #[arg(long, value_name = "DIR")]
     pub path: Vec<PathBuf>,
 }
@@ -52,11 +52,10 @@ const MAX_FOLDERS: usize = 256;
 pub(super) fn check_path(path: &[PathBuf]) -> Result<(), Failure> {
     match path.len() <= MAX_FOLDERS {
         true => Ok(()),
-        false => Err(Failure::usage(format!(
-            "--path is given {} times, and {MAX_FOLDERS} are the limit",
-            path.len()
-        ))
-        .hint("Name a folder above them: files are found below it as \"folder/file\".")),
+        false => {
+            Err(Failure::usage(format!("--path is given {} times; the limit is {MAX_FOLDERS}", path.len()))
+                .hint("Give a common parent folder, and name files as \"folder/file\"."))
+        }
     }
 }
 
@@ -98,16 +97,15 @@ fn of_another_kind(path: &Path) -> Option<Failure> {
     let is_image = magic.iter().any(|magic| start.starts_with(magic));
     let word = pse::internal::quote::path(path);
     let (what, how) = match (is_mesh, is_image) {
-        (true, _) => (
-            "a mesh",
-            format!("Give it with --mesh {word}, and a program before it: pse run a.pse --mesh {word}."),
-        ),
+        (true, _) => {
+            ("a mesh", format!("Give the mesh with --mesh, and a program: pse run a.pse --mesh {word}."))
+        }
         (false, true) => {
-            ("an image", format!("Give it with -i {word}, and a program before it: pse run a.pse -i {word}."))
+            ("an image", format!("Give the image with -i, and a program: pse run a.pse -i {word}."))
         }
         (false, false) => return None,
     };
-    Some(Failure::plain(format!("`{}` is {what}, and a program is expected here", path.display())).hint(how))
+    Some(Failure::plain(format!("`{}` is {what}, not a program", path.display())).hint(how))
 }
 
 /// The name in messages and the text of a program's file, or of standard input for `-`.
@@ -128,7 +126,7 @@ pub(super) fn read(path: &Path) -> Result<(String, String), Failure> {
             let failure = Failure::plain(format!("cannot read `{shown}`: {}", why(&e)));
             Err(match e.kind() {
                 std::io::ErrorKind::InvalidData => {
-                    failure.hint("A program comes here. An image is given with -i.")
+                    failure.hint("A program belongs here. Give an image with -i.")
                 }
                 _ => failure,
             })

@@ -56,16 +56,16 @@ impl Stats {
         warn(&format!("read                 {}", seconds(self.read)));
         warn(&format!("run                  {}", seconds(self.run())));
         warn(&format!("write                {}", seconds(self.write)));
-        warn(&format!("in all               {}, the three overlap", seconds(self.wall)));
+        warn(&format!("total                {}, the three overlap", seconds(self.wall)));
         warn(&format!("run                  {:.2} ns/pixel", self.per_pixel()));
         if self.samples > 1 {
             warn(&format!("samples              {}", self.samples));
         }
         warn(&format!("threads              {}", self.threads));
         warn(&format!("batch                {}", self.batch));
-        warn(&format!("rows at a time       {}", self.rows));
+        warn(&format!("rows per band        {}", self.rows));
         for file in &self.whole {
-            warn(&format!("in memory as a whole {file}"));
+            warn(&format!("held in memory       {file}"));
         }
         warn(&format!("instruction set      {}", self.isa));
         warn(&format!("NaN or infinity at   {} pixels", self.not_finite));

@@ -30,7 +30,7 @@ impl FromStr for Tiles {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Tiles, String> {
-        let form = || format!("`{text}` is no number of tiles; write COLUMNSxROWS, for example 4x4");
+        let form = || format!("`{text}` is not a number of tiles; write COLUMNSxROWS, for example 4x4");
         let (columns, rows) = text.split_once('x').ok_or_else(form)?;
         let number = |t: &str| t.trim().parse::<usize>().ok().filter(|n| *n > 0).ok_or_else(form);
         let tiles = Tiles { columns: number(columns)?, rows: number(rows)? };
@@ -59,13 +59,13 @@ impl FromStr for Tile {
 
     fn from_str(text: &str) -> Result<Tile, String> {
         let Some((number, of)) = text.split_once('/') else {
-            return Err(format!("`{text}` is no tile; write NUMBER/COLUMNSxROWS, for example 3/4x4"));
+            return Err(format!("`{text}` is not a tile; write NUMBER/COLUMNSxROWS, for example 3/4x4"));
         };
         let of: Tiles = of.parse()?;
         let count = of.count();
         match number.trim().parse::<usize>().ok().filter(|n| (1..=count).contains(n)) {
             Some(number) => Ok(Tile { number, of }),
-            None => Err(format!("there is no tile `{number}` of {of}, only 1 to {count}")),
+            None => Err(format!("there is no tile `{number}` of {of}: tiles are numbered 1 to {count}")),
         }
     }
 }
@@ -77,7 +77,7 @@ impl Tile {
         if image.width < columns || image.height < rows {
             let (of, width, height) = (self.of, image.width, image.height);
             return Err(Failure::plain(format!("{width}x{height} pixels cannot be cut into {of} tiles"))
-                .hint("A tile has at least one pixel: take fewer tiles."));
+                .hint("A tile has at least one pixel. Use fewer tiles."));
         }
         let (column, row) = ((self.number - 1) % columns, (self.number - 1) / columns);
         let part = |i: usize, of: usize, size: usize| (i * size / of) as i64;

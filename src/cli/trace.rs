@@ -25,7 +25,7 @@ Examples:
   pse trace -e 'a = sqrt(-1)' -e 'a * white' --scene vase
   pse trace marble.pse --pixel 320,200 --json | jq '.[] | select(.event == \"assign\")'
 
-Every value is the one that pse run has there, to the last bit. docs/trace.md tells what the columns and the JSON mean.";
+Every value is exactly the one that pse run computes. See docs/trace.md for the columns and the JSON format.";
 
 /// What to look at, and where.
 #[derive(Debug, Args)]
@@ -33,31 +33,31 @@ Every value is the one that pse run has there, to the last bit. docs/trace.md te
 pub(super) struct TraceArgs {
     #[command(flatten)]
     program: ProgramArgs,
-    /// Column and row of the pixel in the picture, from 0 at the top left; the middle if not given
+    /// Column and row of the pixel, from 0,0 at the top left (default: the middle of the picture)
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pixel: Option<PixelArg>,
-    /// Tell what happens in the functions that are called, too
+    /// Also trace inside the functions that are called
     #[arg(long, conflicts_with = "depth")]
     calls: bool,
-    /// The like, so many calls deep
+    /// Also trace inside called functions, up to N calls deep
     #[arg(long, value_name = "N", default_value_t = 0)]
     depth: u32,
-    /// Tell so many events; of more, the first half and the last half
+    /// Show at most N events; of a longer trace, the first and last N/2
     #[arg(long, value_name = "N", default_value_t = TraceOptions::default().limit)]
     limit: usize,
-    /// Tell it as JSON, an array of events
+    /// Print the trace as JSON, an array of events
     #[arg(long)]
     json: bool,
-    /// Set a param (or an input variable) to an expression: veins=6, tint='[1 0 0]'
+    /// Set a param or an input variable to an expression: veins=6, tint='[1 0 0]'
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
     #[command(flatten)]
     images: ImageArgs,
-    /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
+    /// Read pictures (PNG, JPEG, …) without sRGB conversion
     #[arg(long, help_heading = "Input")]
     raw: bool,
-    /// The number of the frame; that in the name or the header of the input if not given
+    /// The frame number (default: the one in the input's name or header)
     #[arg(long, value_name = "N", help_heading = "Input", allow_negative_numbers = true)]
     frame: Option<FrameArg>,
     #[command(flatten)]
@@ -147,7 +147,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let trace = program.trace(&image, column, row - top, &options, &wanted)?;
     chosen.notes(&program).iter().chain(&inputs.notes(&program)).for_each(|note| warn(note));
     if args.images.is_empty() {
-        warn(&format!("no input: this is the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"));
+        warn(&format!("no input: using the scene {DEFAULT_SCENE} (see pse scene --list, or give -i FILE)"));
     }
     let about = text::About { trace: &trace, program: &program, name: &name, frame: frame.value };
     if args.json {
@@ -174,7 +174,7 @@ fn place(pixel: Option<PixelArg>, about: &Image<'_>) -> Result<[usize; 2], Failu
     if !(0..width as i64).contains(&inside_x) || !(0..height as i64).contains(&inside_y) {
         let last = [x + width as i64 - 1, y + height as i64 - 1];
         let failure = Failure::usage(format!("there is no pixel {column},{row}"));
-        return Err(failure.hint(format!("They go from {x},{y} to {},{}.", last[0], last[1])));
+        return Err(failure.hint(format!("The pixels go from {x},{y} to {},{}.", last[0], last[1])));
     }
     Ok([inside_x as usize, inside_y as usize])
 }

@@ -29,30 +29,30 @@ use std::sync::Arc;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  pse view marble.pse --open\n  pse view marble.pse -i gbuffer.exr\n  \
                   pse view new.pse --scene vase --port 8017\n\n\
-                  It prints an address for the browser, of this machine alone. The picture is drawn anew when the \
-                  program, its imports, its textures or the images change on the disk, by whatever editor; the page has an \
-                  editor of its own. Ctrl-C ends it. docs/view.md tells the rest.")]
+                  It prints the address of a page that only this machine can open. The picture is redrawn when the \
+                  program, its imports, textures or images change on the disk. The page has an editor of its own. \
+                  Ctrl-C ends it. See docs/view.md.")]
 pub(super) struct PreviewArgs {
-    /// The program's file; one that does not exist yet is written at the first save
+    /// The program file; if it does not exist, the first save creates it
     program: PathBuf,
     #[command(flatten)]
     pub images: ImageArgs,
-    /// Take PNG, JPEG and the like as plain numbers: no sRGB curve
+    /// Read pictures (PNG, JPEG, …) without sRGB conversion
     #[arg(long, help_heading = "Input")]
     pub raw: bool,
-    /// The number of the frame to begin with; that in the name or the header of the input if not given
+    /// The first frame to show (default: the one in the input's name or header)
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Input")]
     frame: Option<FrameArg>,
-    /// Set a param to an expression to begin with: veins=6
+    /// Set the initial value of a param: veins=6
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Look for imported files and for textures in this folder too
+    /// Also look for imported files and textures in this folder
     #[arg(long, value_name = "DIR")]
     path: Vec<PathBuf>,
-    /// The port of the page's address; 0 takes one that is free
+    /// The port of the page; 0 picks a free port
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     port: u16,
-    /// Open the page in the browser, by an address that works once
+    /// Open the page in the browser, with an address that works once
     #[arg(long)]
     open: bool,
     #[command(flatten)]
@@ -82,7 +82,7 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
     let text = match program(&args.program)? {
         Some(text) => text,
         None => {
-            warn(&format!("{} does not exist yet; it is written at the first save", args.program.display()));
+            warn(&format!("{} does not exist yet; the first save creates it", args.program.display()));
             String::new()
         }
     };
@@ -118,14 +118,14 @@ pub(super) fn view(args: &PreviewArgs) -> Result<(), Failure> {
 /// The program's text; `None` if there is no such file yet.
 fn program(path: &Path) -> Result<Option<String>, Failure> {
     if path.as_os_str() == "-" {
-        return Err(Failure::usage("a program from standard input does not change")
+        return Err(Failure::usage("pse view cannot watch a program on standard input")
             .hint("Give a file: pse view marble.pse"));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     match OnDisk::read(path) {
         OnDisk::Missing if folder.is_none_or(Path::is_dir) => Ok(None),
         OnDisk::NoFile { why } => Err(Failure::plain(format!("cannot read `{}`: {why}", path.display()))
-            .hint("A preview saves its program, so that has to be a file.")),
+            .hint("pse view saves the program to its file.")),
         _ => super::source::read(path).map(|(_, text)| Some(text)),
     }
 }

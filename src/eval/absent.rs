@@ -8,7 +8,7 @@ use crate::resolve::{is_standard_function, names, unknown};
 use crate::vocabulary;
 
 /// The error of a variable that neither the program nor the image has. `has` are the variables of the image that are
-/// known by name; `missing` says more about those that are not. `camera`: why it is not known where the eye is.
+/// known by name; `missing` says more about those that are not. `camera`: why the position of the eye is unknown.
 pub fn absent(
     program: &Resolved,
     name: &str,
@@ -35,8 +35,8 @@ pub fn absent(
         let error = Diagnostic::error("input", format!("the input has no variable `{name}`"), span);
         let error = match name {
             "I" => error.hint(
-                "`I` is the direction from the eye to the point. Renderers do not write it; where the eye is \
-                 known it is `I = direction(point - eye)`, with `param eye = [0 -5 5]` above.",
+                "`I` is the direction from the eye to the point. Renderers do not write it. If you \
+                 know the eye, write `param eye = [0 -5 5]` and `I = direction(point - eye)`.",
             ),
             _ => error,
         };
@@ -51,10 +51,10 @@ pub fn absent(
         return spaces::no_eye(span, camera);
     }
     let error = Diagnostic::error("name", format!("there is no variable `{name}`"), span)
-        .label(span, "nothing assigns it, and the input has none of that name");
+        .label(span, "not assigned, and not in the input");
     let error = unknown::about_includes(&program.sources.get(span.source).text, error);
     if matches!(name, "camera" | "world" | "screen" | "object") {
-        return error.hint(format!("A space is named in quotation marks: `transform(\"{name}\", point)`."));
+        return error.hint(format!("Write the name of a space in quotes: `transform(\"{name}\", point)`."));
     }
     let others = has.iter().map(String::as_str);
     let fixed = names::CONSTANTS.iter().map(|c| c.name).chain(names::SYSTEM.iter().map(|(n, _)| *n));
@@ -72,13 +72,13 @@ pub fn absent(
 }
 
 /// How a hint begins that says that no image of that name was given.
-pub const NO_IMAGE: &str = "There is no input called";
+pub const NO_IMAGE: &str = "No input is called";
 
 /// What is known of a variable that the image does not have.
 pub(super) fn of_image(name: &str, has: &[String], missing: Option<&Missing<'_>>) -> Vec<String> {
     match missing {
         Some(missing) => missing(name),
-        None if has.is_empty() => vec!["There is no input image that could have it.".into()],
+        None if has.is_empty() => vec!["There is no input image.".into()],
         None => vec![format!("The input has {}.", has.join(", "))],
     }
 }

@@ -300,8 +300,8 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Vec<Diagnostic> {
             _ => None,
         };
         if let Some(option) = by_option {
-            let error = Diagnostic::bare("name", format!("`{name}` is not set like a param"));
-            errors.push(error.hint(format!("There is an option of its own for {option}.")));
+            let error = Diagnostic::bare("name", format!("`{name}` cannot be set with `--set`"));
+            errors.push(error.hint(format!("Use the option for {option}.")));
             continue;
         }
         if let Some(&slot) = slots.get(name.as_str()) {

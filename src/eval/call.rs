@@ -34,9 +34,9 @@ impl<'r> Machine<'r> {
                 let function = &self.program.functions[f as usize];
                 let message = format!("`{}()` ended without `return`", function.name);
                 let error = Diagnostic::error("value", message, span)
-                    .label(span, "its value is wanted here")
+                    .label(span, "its value is used here")
                     .label(function.span, "defined here")
-                    .hint("End every way through the function with a `return`.");
+                    .hint("End every path through the function with `return`.");
                 let color = |g: &Global| g.name == "color" && g.assigned == Some(span);
                 let error = if self.program.globals.iter().any(color) {
                     error.hint(
@@ -77,7 +77,7 @@ impl<'r> Machine<'r> {
         }
         self.step(mask, span)?;
         if self.calls.len() >= self.limits.depth as usize {
-            let message = format!("calls inside of calls go deeper than {}", self.limits.depth);
+            let message = format!("calls are nested more than {} deep", self.limits.depth);
             let error = Diagnostic::error("limit", message, span)
                 .hint(format!("Does the recursion of `{}()` end?", function.name))
                 .hint("A higher limit can be set (`--max-depth`).");

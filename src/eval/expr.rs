@@ -150,7 +150,7 @@ impl<'r> Machine<'r> {
             let error = Diagnostic::error("shape", message, span)
                 .label(left_span, format!("{}: {}", left.shape, left.show(lane)))
                 .label(right_span, format!("{}: {}", right.shape, right.show(lane)))
-                .hint("Operators work component by component: both vectors need the same length, or one side is a scalar.");
+                .hint("Operators work component by component. Give both vectors the same length, or use a scalar.");
             self.fault(error, lane)
         })
     }
@@ -171,7 +171,7 @@ impl<'r> Machine<'r> {
         let lane = self.first(mask);
         let error = Diagnostic::error("shape", format!("the condition is {}", condition.shape), span)
             .label(span, condition.show(lane))
-            .hint("A condition is a scalar: `all(…)` asks whether every component is true, `any(…)` whether one is.");
+            .hint("A condition is a scalar: `all(…)` is 1 if every component is true, `any(…)` if at least one is.");
         Err(self.fault(error, lane))
     }
 
@@ -291,12 +291,9 @@ impl<'r> Machine<'r> {
         }
         let (size, depth) = shape.extent();
         if depth > NESTING {
-            let error = Diagnostic::error(
-                "limit",
-                format!("vectors inside of vectors go deeper than {NESTING}"),
-                span,
-            )
-            .hint("`append(v, x)` adds an element to a vector; `[v x]` makes a new one around it.");
+            let error =
+                Diagnostic::error("limit", format!("vectors are nested more than {NESTING} deep"), span)
+                    .hint("`append(v, x)` adds an element to a vector; `[v x]` makes a new one around it.");
             return Err(self.fault(error, self.first(mask)));
         }
         // Each number in a vector of its own counts twice; a vector of empty ones has no numbers at all.

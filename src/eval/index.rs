@@ -90,7 +90,7 @@ impl Machine<'_> {
                 _ if last > count => {
                     error.hint(format!("A vector grows one element at a time: the next one is [{last}]."))
                 }
-                0 => error.hint("`size(…)` tells how many elements there are."),
+                0 => error.hint("`size(…)` gives the number of elements."),
                 _ if i == 0.0 => error.hint(format!("Elements are counted from 1: [1] to [{count}].")),
                 _ => error.hint(format!("It has the elements [1] to [{count}].")),
             };
@@ -134,7 +134,7 @@ impl Machine<'_> {
             None => error,
         };
         let error = match (letter, self.program.sources.text(base)) {
-            ("a", "color") => error.hint("The alpha of the picture is a variable of its own: `alpha`."),
+            ("a", "color") => error.hint("The alpha of the picture is the variable `alpha`."),
             _ => error,
         };
         Err(self.fault(error, lane))

@@ -395,7 +395,7 @@ impl<'r> Machine<'r> {
     fn no_value(&self, place: Place, span: Span, lane: usize) -> Fault {
         let name = self.name(place);
         let mut error = Diagnostic::error("value", format!("`{name}` has no value here"), span)
-            .label(span, "read before anything was assigned to it");
+            .label(span, "read before it is assigned");
         error = match place {
             Place::Local(_) => {
                 // An image may have more variables than the program reads.
@@ -405,18 +405,17 @@ impl<'r> Machine<'r> {
                 if outer {
                     error
                         .hint(format!(
-                            "A function that assigns `{name}` has a `{name}` of its own, and never changes the outer \
-                             one."
+                            "A function that assigns `{name}` has its own `{name}`, and never changes the outer one."
                         ))
-                        .hint("Return the new value, or use another name inside of the function.")
+                        .hint("Return the new value, or use another name inside the function.")
                 } else {
                     error.hint(format!(
-                        "Give `{name}` a value on every way that leads here, for instance `{name} = 0` in a line above."
+                        "Give `{name}` a value on every path to this line, for example `{name} = 0` above."
                     ))
                 }
             }
             Place::Global(_) => error.hint(format!(
-                "Give `{name}` a value on every way that leads here, for instance `{name} = 0` in a line above."
+                "Give `{name}` a value on every path to this line, for example `{name} = 0` above."
             )),
         };
         if let Place::Global(_) = place {

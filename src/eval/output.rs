@@ -184,9 +184,9 @@ pub(super) fn misfits(program: &Resolved, output: &Output<'_>, shape: &Shape) ->
             None => "elsewhere".to_string(),
         };
         Diagnostic::bare("output", format!("`{name}` is {} {other}, and {shape} here", output.shape))
-            .hint("An output has one shape at all pixels; only a scalar is spread over a vector.")
+            .hint("An output needs the same shape at all pixels. Only a scalar is extended to a vector.")
     } else {
-        Diagnostic::bare("output", format!("`color` is {shape}, which is no colour"))
+        Diagnostic::bare("output", format!("`color` is {shape}, which is not a colour"))
             .hint("A colour is a scalar (grey), `[red green blue]`, or `[red green blue alpha]`.")
     };
     match output.slot.and_then(|i| program.globals[i as usize].assigned) {

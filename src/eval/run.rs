@@ -216,13 +216,13 @@ impl<'r> Job<'r> {
             outputs.push(Output { name, slot: None, input: Some(alpha), shape, seen: None, kept: true });
         }
         if outputs.is_empty() && errors.is_empty() {
-            let error = Diagnostic::bare("output", "the program gives nothing to write").hint(
+            let error = Diagnostic::bare("output", "the program has no output").hint(
                 "Assign to `color`, as in `color = white * Noise(8 * point)`, or end with an expression alone.",
             );
             let has = |name: &str| program.functions.iter().any(|f| f.name == name);
             errors.push(match (has("velocity"), has("density")) {
                 (true, _) => error.hint("Its function `velocity` is for `pse flow`."),
-                (_, true) => error.hint("Its function `density` is for `pse scene --iso`, or `--iso` beside a program with colours."),
+                (_, true) => error.hint("Its function `density` is for `pse scene --iso`, or `--iso` together with a program for the colours."),
                 _ => error,
             });
         }
@@ -313,7 +313,7 @@ impl<'r> Job<'r> {
                     format!("`{name}` has {n} components, too many to write"),
                 )
                 .hint(format!(
-                    "An output may have {MAX_PLANES}. Choose which variables to write (`--vars color`)."
+                    "An output has at most {MAX_PLANES}. Choose the variables to write (`--vars color`)."
                 ));
                 Err(Failure::Program(vec![error]))
             }
@@ -411,7 +411,7 @@ impl<'r> Job<'r> {
         let threads = threads.clamp(1, useful.min(MAX_THREADS));
         parallel::on_threads(threads, work).map_err(|e| {
             let error = Diagnostic::bare("threads", format!("cannot start {threads} threads: {e}"));
-            Failure::Program(vec![error.hint("Ask for fewer threads.")])
+            Failure::Program(vec![error.hint("Use fewer threads.")])
         })?;
         Ok(threads)
     }

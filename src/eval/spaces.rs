@@ -56,15 +56,15 @@ fn center_of_projection(screen: Matrix4) -> Option<[f32; 3]> {
 }
 
 /// How a user says where the eye is, without a change of the program.
-pub const CAMERA: &str = "Or give it from outside, and leave the program as it is: `--eye 0,-5,5`.";
+pub const CAMERA: &str = "Or leave the program as it is, and run it with `--eye 0,-5,5`.";
 
 /// The error of a program that reads `eye` where the camera is not known; `hint` says why it was not found from the points.
 pub fn no_eye(span: Span, hint: Option<&str>) -> Diagnostic {
-    let error = Diagnostic::error("input", "it is not known where the eye is", span)
-        .hint("An EXR file tells it by the attribute worldToCamera; this input has none.");
+    let error = Diagnostic::error("input", "the position of the eye is unknown", span)
+        .hint("EXR files store it in the attribute worldToCamera; this input has none.");
     hint.into_iter()
         .fold(error, |error, hint| error.hint(hint))
-        .hint("Give it in the program: `param eye = [0 -5 5]` above.")
+        .hint("Declare it in the program: `param eye = [0 -5 5]`.")
         .hint(CAMERA)
 }
 
@@ -75,7 +75,7 @@ pub fn has_space(name: &str, about: &Metadata) -> bool {
 
 /// The error of a space that is not known.
 pub fn unknown(name: &str, span: Span, image: &Image<'_>, options: &Options<'_>) -> Diagnostic {
-    let error = Diagnostic::error("space", format!("it is not known where the space \"{name}\" is"), span);
+    let error = Diagnostic::error("space", format!("the space \"{name}\" is not defined"), span);
     let mut known: Vec<&str> = vec!["world"];
     known.extend(options.spaces.iter().map(|(name, _)| name.as_str()));
     let headers = ATTRIBUTES.iter().map(|(space, _)| *space);
@@ -86,7 +86,7 @@ pub fn unknown(name: &str, span: Span, image: &Image<'_>, options: &Options<'_>)
     let error = near.into_iter().fold(error, Diagnostic::hint);
     let error = match ATTRIBUTES.iter().find(|(space, _)| *space == name) {
         Some((_, written)) => {
-            error.hint(format!("An EXR file tells it by the attribute {}; this input has none.", written[0]))
+            error.hint(format!("EXR files store it in the attribute {}; this input has none.", written[0]))
         }
         None => error,
     };
@@ -94,6 +94,6 @@ pub fn unknown(name: &str, span: Span, image: &Image<'_>, options: &Options<'_>)
     let error = hint.into_iter().fold(error, |error, hint| error.hint(hint));
     let quoted: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
     error
-        .hint(format!("Give the matrix from the world to it: `--space {name}='translation([0 0 1])'`."))
+        .hint(format!("Give its matrix from world space: `--space {name}='translation([0 0 1])'`."))
         .hint(format!("Known: {}.", quoted.join(", ")))
 }

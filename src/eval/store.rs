@@ -56,10 +56,13 @@ impl<'r> Machine<'r> {
                     match value.shape {
                         Shape::Scalar => Ok(At { index: value.planes[0].clone(), span: e.span }),
                         _ => {
-                            let message = format!("one element is assigned at a time, and the index is {}", value.shape);
+                            let message = format!(
+                                "one element is assigned at a time, and the index is {}",
+                                value.shape
+                            );
                             let error = Diagnostic::error("shape", message, e.span)
                                 .label(e.span, value.show(self.first(mask)))
-                                .hint("A loop assigns to several: `for i in [1 3]` with the assignment in its block.");
+                                .hint("Assign to several in a loop: `for i in [1 3]`.");
                             Err(self.fault(error, self.first(mask)))
                         }
                     }

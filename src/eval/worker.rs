@@ -131,7 +131,8 @@ impl<'r> Worker<'r> {
                 };
                 let (one, other) = (pick(true), pick(false));
                 if one.is_empty() || other.is_empty() {
-                    let error = Diagnostic::bare("internal", "a batch was cut into itself and nothing");
+                    let error =
+                        Diagnostic::bare("internal", "internal error: a batch split left one half empty");
                     return Err(Stop::Error(Box::new(error), pixels.at(0)));
                 }
                 let Err(first) = self.run(Pixels::List(&one), sink) else {

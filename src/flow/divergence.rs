@@ -6,19 +6,20 @@ use super::trajectories::velocities;
 use crate::program::{Error, RunOptions};
 use glam::DVec3;
 
-/// What was measured of a velocity at some points, by central differences.
+/// The divergence of a velocity, measured at some points by central differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Divergence {
-    /// The root of the mean square of the divergence, in 1 over units of time.
+    /// The root mean square of the divergence, in 1 over units of time.
     pub divergence: f64,
-    /// The root of the mean square of all nine derivatives' sum of squares: what the divergence is to be compared with.
+    /// The root mean square of all nine derivatives, for comparison with the divergence.
     pub gradient: f64,
-    /// Points looked at.
+    /// The number of points.
     pub points: usize,
 }
 
 impl Divergence {
-    /// Its share: some 1e-3 and less for a flow without divergence, which is what single precision leaves of 0.
+    /// The divergence relative to the derivatives: at most about 1e-3 for a flow without divergence, because of
+    /// single precision.
     pub fn share(&self) -> f64 {
         if self.gradient > 0.0 { self.divergence / self.gradient } else { 0.0 }
     }

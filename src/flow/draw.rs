@@ -10,10 +10,10 @@ use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// How lines are drawn.
+/// Options for drawing lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
-    /// How wide a line is, in pixels. Below 1 it stays a pixel wide, and is as much fainter.
+    /// The width of a line in pixels. Below 1 the line stays a pixel wide and is fainter.
     pub width: f64,
 }
 
@@ -141,7 +141,7 @@ impl<'a> Drawing<'a> {
         pen: &Pen,
         before: Option<&Image<'_>>,
     ) -> Drawing<'a> {
-        assert!(trajectories.points.len() <= MAX_POINTS, "so many points no flow has");
+        assert!(trajectories.points.len() <= MAX_POINTS, "a flow has fewer than 2^32 points");
         let seen = trajectories.points.par_iter().map(|point| {
             let point = DVec3::from(point.map(f64::from));
             let depth = projection.depth(point);

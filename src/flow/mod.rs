@@ -43,7 +43,7 @@ use field::Field;
 /// A point or direction in space.
 type Vector = [f32; 3];
 
-/// The most points of all trajectories together: some two gigabytes of them.
+/// The maximum number of points of all trajectories together, about two gigabytes.
 pub const MAX_POINTS: usize = 1 << 27;
 
 /// A program as a flow: its function `velocity(p)`, and `color(p, age, along, line)` if it has one.
@@ -59,7 +59,7 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// Compiles a program that messages call `name`; `host` finds its imports.
+    /// Compiles a program; `name` is its name in messages, and `host` finds its imports.
     ///
     /// # Errors
     /// What is wrong with the program; also if it has no function `velocity(p)`.
@@ -89,8 +89,8 @@ impl Flow {
         trajectories::follow(&self.velocity, seeds, step, steps, options)
     }
 
-    /// The colour of each point of the trajectories, in their order, with how opaque the line is there; `None` if the
-    /// program has no function `color`.
+    /// Computes the colour and opacity of each point of the trajectories, in order; `None` if the program has no
+    /// function `color`.
     ///
     /// # Errors
     /// An error of the program, or a colour that is none.
@@ -102,7 +102,7 @@ impl Flow {
         self.color.as_ref().map(|color| trajectories::colors(color, trajectories, options)).transpose()
     }
 
-    /// The programs that it runs: that of the velocity, and that of the colours if there is one.
+    /// The programs of the flow: that of the velocity, and that of the colours if it exists.
     pub fn programs(&self) -> impl Iterator<Item = &Program> {
         std::iter::once(self.velocity.program()).chain(self.color.iter().map(|color| color.program()))
     }
@@ -113,7 +113,7 @@ impl Flow {
         self.velocity.program().files(frame).into_iter().chain(color).collect()
     }
 
-    /// How much the velocity gathers and spreads at some points, by differences over twice `distance`.
+    /// Measures the divergence of the velocity at some points, by differences over twice `distance`.
     ///
     /// # Errors
     /// An error of the program.

@@ -4,7 +4,7 @@ use super::Vector;
 use crate::gbuffer::surfaces;
 use crate::image::Image;
 
-/// The middles of the cells of a grid over a box, x fastest.
+/// The centres of the cells of a grid over a box, with x fastest.
 pub fn grid(cells: [usize; 3], low: [f64; 3], high: [f64; 3]) -> Vec<Vector> {
     let [nx, ny, nz] = cells;
     let place = |i: usize, axis: usize| {
@@ -20,8 +20,8 @@ pub fn grid(cells: [usize; 3], low: [f64; 3], high: [f64; 3]) -> Vec<Vector> {
     seeds
 }
 
-/// So many points of the sphere of a radius around the origin, spread evenly: one for each of as many slices of equal height,
-/// each the golden angle further round than the last.
+/// `count` points spread evenly over the sphere of this radius around the origin: one in each of `count` slices of
+/// equal height, each rotated from the last by the golden angle.
 pub fn ball(count: usize, radius: f64) -> Vec<Vector> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     (0..count)
@@ -34,7 +34,7 @@ pub fn ball(count: usize, radius: f64) -> Vec<Vector> {
         .collect()
 }
 
-/// The points that an image sees: of every `every`th column and row where there is a surface. Empty if it has no `point`.
+/// The visible points of an image, in every `every`th column and row with a surface. Empty if it has no `point`.
 pub fn visible(image: &Image<'_>, every: usize) -> Vec<Vector> {
     let every = every.max(1);
     let all: Vec<Option<Vector>> = surfaces(image).collect();

@@ -6,7 +6,7 @@ use crate::diagnostic::{Diagnostic, Sources};
 use crate::program::{Error, Progress, RunOptions};
 use glam::DVec3;
 
-/// Lines that seeds have drawn, all of as many points.
+/// The trajectories of seeds, all with the same number of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectories {
     /// Steps of each line; it has one point more.
@@ -16,7 +16,7 @@ pub struct Trajectories {
 }
 
 impl Trajectories {
-    /// How many lines there are.
+    /// The number of lines.
     pub fn lines(&self) -> usize {
         self.points.len() / (self.steps + 1)
     }
@@ -29,7 +29,7 @@ impl Trajectories {
         &self.points[index * (self.steps + 1)..][..self.steps + 1]
     }
 
-    /// From 0 at the seed to 1 at the end.
+    /// The age of a point, from 0 at the seed to 1 at the end.
     pub fn age(&self, point: usize) -> f32 {
         (point % (self.steps + 1)) as f32 / self.steps.max(1) as f32
     }
@@ -56,7 +56,7 @@ pub(super) fn follow(
     let mut points: Vec<Vector> = Vec::new();
     if total.is_none_or(|n| points.try_reserve_exact(n).is_err()) {
         let message = format!("{} lines of {steps} steps are too many points", seeds.len());
-        let error = Diagnostic::bare("limit", message).hint(format!("There may be {MAX_POINTS} in all."));
+        let error = Diagnostic::bare("limit", message).hint(format!("The limit is {MAX_POINTS} in all."));
         return Err(Error { diagnostics: vec![error], sources: Sources::default(), cancelled: false });
     }
     points.resize(seeds.len() * (steps + 1), [0.0; 3]);
@@ -115,7 +115,7 @@ pub(super) fn velocities(
         let [x, y, z] = at(i).to_array().map(|x| x as f32);
         let [a, b, c] = found[i].to_array();
         let message = format!("`velocity([{x} {y} {z}])` is [{a} {b} {c}]");
-        let hint = "A point cannot go on from there. Give a velocity that is finite everywhere that points may come to.";
+        let hint = "Return a finite velocity at every point that lines can reach.";
         return Err(velocity.refuse(message, hint));
     }
     Ok(found)
@@ -144,9 +144,7 @@ pub(super) fn colors(
             [r, g, b, a] => colors.extend((0..part.len()).map(|i| [r[i], g[i], b[i], a[i]])),
             _ => {
                 let message = format!("`color()` gives {} numbers", planes.len());
-                return Err(
-                    color.refuse(message, "A colour is a vector of 3, or of 4 with how opaque it is.")
-                );
+                return Err(color.refuse(message, "Return a vector of 3, or of 4 with the opacity."));
             }
         }
         if let Some(i) = colors[start..].iter().position(|c| !c.iter().all(|x| x.is_finite())) {

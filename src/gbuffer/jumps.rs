@@ -34,7 +34,7 @@ pub struct JumpCounter {
     places: Vec<(DVec3, DVec2)>,
 }
 
-/// How noisy the points of an image are.
+/// The noise of an image's points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jumps {
     /// Pixels whose point jumps; if the camera is known, only those that are off their pixel's ray.

@@ -82,10 +82,10 @@ impl fmt::Display for ResectionError {
                 write!(f, ", as with panoramas, distorting lenses, depth of field and motion blur")
             }
             ResectionError::Flat => {
-                write!(f, "they lie in one plane, which many cameras would see in the same way")
+                write!(f, "they lie in one plane, and many cameras fit them")
             }
             ResectionError::Undetermined => {
-                write!(f, "many cameras fit them, because they are nearly flat or too noisy for their number")
+                write!(f, "many cameras fit them: they are nearly flat, or too noisy for their number")
             }
         }
     }

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// Files on disk: beside the program that names them and below, then in the given folders, and nowhere else.
+/// Files on disk, searched in the program's folder and below, then in the given folders, and nowhere else.
 #[derive(Clone, Debug, Default)]
 pub struct Disk {
     /// Folders to search after the importing file's own.
@@ -17,7 +17,8 @@ pub struct Disk {
 }
 
 impl Disk {
-    /// The import's file, the first that is there. `open_text` gives the text of a document that an editor has open.
+    /// Finds the first existing file for an import. `open_text` returns the text of a document that an editor has
+    /// open.
     pub fn find(
         &self,
         importing: &str,
@@ -64,7 +65,7 @@ impl Disk {
 /// Says that a file is in none of its places.
 fn nowhere(places: &[PathBuf]) -> String {
     if places.is_empty() {
-        return "outside of the folders that this program may read".into();
+        return "outside the folders that this program may read".into();
     }
     let tried: Vec<String> = places.iter().map(|path| path.display().to_string()).collect();
     format!("there is no {}", tried.join(" and no "))
@@ -143,8 +144,7 @@ impl Host for Disk {
     }
 
     fn hint(&self) -> Option<String> {
-        let more =
-            "A program imports files beside it and below, then from the folders of `--path`, and no others.";
+        let more = "A program can import files only from its own folder and below, and from the folders of `--path`.";
         Some(more.into())
     }
 
@@ -168,7 +168,7 @@ impl Host for Disk {
 
     fn image_hint(&self) -> Option<String> {
         let more =
-            "A program reads images beside it and below, then in the folders of `--path`, and no others.";
+            "A program can read images only from its own folder and below, and from the folders of `--path`.";
         Some(more.into())
     }
 }

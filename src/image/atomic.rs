@@ -9,9 +9,9 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, SpooledTempFile};
 
-/// A file in the making. It takes its name when it is finished; until then whoever looks sees the old file, and after
-/// an error, or a kill, the old one is untouched. A symbolic link keeps pointing where it does. A device or a pipe, and
-/// `-`, standard output, gets everything at the end.
+/// An output file that gets its name when it is finished. Until then, and after an error or a kill, the old file is
+/// unchanged. Symbolic links keep their target. A device, a pipe, and `-` (standard output) receive everything at the
+/// end.
 pub struct NewFile {
     shown: String,
     place: Place,
@@ -41,8 +41,8 @@ pub(crate) fn temporary_folder() -> PathBuf {
     }
 }
 
-/// Checks whether a file can take this name, as far as that can be known beforehand. A file that may not be changed is not
-/// replaced by another one either, nor is one that a command has opened for reading.
+/// Checks whether a file can be written under this name, as far as this is known beforehand. A write-protected file
+/// is not replaced, nor is a file that a command has opened for reading.
 ///
 /// # Errors
 /// If it cannot.
@@ -66,9 +66,9 @@ fn target_of(path: &Path, content: Content) -> Result<PathBuf, ImageError> {
         return Err(fail(io::ErrorKind::IsADirectory.into()));
     }
     if about.as_ref().is_some_and(|about| about.is_file() && about.permissions().readonly()) {
-        let message = format!("cannot write `{shown}`: the file is there and may not be changed");
+        let message = format!("cannot write `{shown}`: the file is write-protected");
         return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::PermissionDenied), message)
-            .hint("Allow it (chmod u+w), or write to another file."));
+            .hint("Allow writing (chmod u+w), or write to another file."));
     }
     let target = match about {
         Some(about) if about.is_file() && path.is_symlink() => fs::canonicalize(path).map_err(fail)?,
@@ -78,7 +78,7 @@ fn target_of(path: &Path, content: Content) -> Result<PathBuf, ImageError> {
     if let Some(folder) = target.parent().filter(|p| !p.as_os_str().is_empty() && !p.is_dir()) {
         let message = format!("cannot write `{shown}`: there is no directory `{}`", folder.display());
         return Err(ImageError::new(ErrorKind::Io(io::ErrorKind::NotFound), message)
-            .hint(format!("Make it first: mkdir -p {}.", quote::path(folder))));
+            .hint(format!("Create it first: mkdir -p {}.", quote::path(folder))));
     }
     Ok(target)
 }
@@ -92,7 +92,7 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
             Err(_) => return Ok(path),
         }
     }
-    Err(io::Error::other("too many links lead from one to the next"))
+    Err(io::Error::other("too many levels of links"))
 }
 
 /// What identifies the file of an output.
@@ -129,7 +129,7 @@ pub fn target_keys(path: &Path) -> Vec<TargetKey> {
 }
 
 impl NewFile {
-    /// Begins the file `path`.
+    /// Creates the file `path`.
     ///
     /// # Errors
     /// If the directory does not exist, the operating system refuses, or a command has opened the file for reading.
@@ -166,12 +166,12 @@ impl NewFile {
         NewFile { shown, place: Place::Kept { bytes, target: path.to_path_buf() }, content }
     }
 
-    /// What messages call it.
+    /// The name in messages.
     pub fn name(&self) -> &str {
         &self.shown
     }
 
-    /// The file is whole: it appears.
+    /// Completes the file, which then appears under its name.
     ///
     /// # Errors
     /// If the operating system refuses, or a command has opened the file for reading in the meantime.
@@ -254,8 +254,8 @@ impl Seek for NewFile {
     }
 }
 
-/// Writes the text of a program as the file `path`, which appears whole or not at all; see [`NewFile`]. A program that
-/// was read may be replaced, since its new text is what is saved.
+/// Writes the text of a program to the file `path`, which appears complete or not at all; see [`NewFile`]. It can
+/// replace a program that was read, because it saves that program's new text.
 ///
 /// # Errors
 /// If the directory does not exist, the operating system refuses, or a command has opened the file as an image or a mesh.
@@ -263,7 +263,7 @@ pub fn write_program(path: &Path, text: &str) -> Result<(), ImageError> {
     write_with(path, text.as_bytes(), Content::Program)
 }
 
-/// Writes `bytes` as the file `path`, which appears whole or not at all; see [`NewFile`].
+/// Writes `bytes` to the file `path`, which appears complete or not at all; see [`NewFile`].
 ///
 /// # Errors
 /// If the directory does not exist, the operating system refuses, or a command has opened the file for reading.
@@ -277,7 +277,7 @@ fn write_with(path: &Path, bytes: &[u8], content: Content) -> Result<(), ImageEr
     file.finish()
 }
 
-/// Do both paths lead to the same existing file (through links, relative paths, `..`)?
+/// Whether both paths lead to the same existing file (through links, relative paths, `..`).
 pub fn same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     if let (Ok(a), Ok(b)) = (fs::metadata(a), fs::metadata(b)) {

@@ -21,12 +21,12 @@ pub struct Attributes {
 }
 
 impl Attributes {
-    /// Names and values as text, for people.
+    /// Names and values as readable text.
     pub fn iter(&self) -> impl Iterator<Item = (&str, String)> {
         self.list.iter().map(|(name, value)| (name.as_str(), text_of(value)))
     }
 
-    /// The matrix of that name. OpenEXR's points are rows; here they are columns.
+    /// The matrix with this name, for points that are columns (in OpenEXR they are rows).
     pub fn matrix(&self, name: &str) -> Option<Matrix4> {
         let (_, value) = self.list.iter().find(|(n, _)| n == name)?;
         match value {
@@ -38,7 +38,7 @@ impl Attributes {
         }
     }
 
-    /// Sets the matrix of that name, for points that are columns.
+    /// Sets the matrix with this name, for points that are columns.
     pub fn set_matrix(&mut self, name: &str, matrix: &Matrix4) {
         let rows = std::array::from_fn(|i| matrix[i % 4][i / 4]);
         self.list.retain(|(n, _)| n != name);

@@ -17,13 +17,14 @@ use std::collections::{HashMap, HashSet};
 /// The channels that a variable is read from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// The group's name as `--map` takes it.
+    /// The group's name, as for `--map`.
     pub group: String,
-    /// The channels' places in [`File::channels`](super::File::channels), one a cell of the shape.
+    /// The indices in [`File::channels`](super::File::channels), one for each cell of the shape.
     pub channels: Vec<usize>,
-    /// How they nest.
+    /// The shape.
     pub shape: Shape,
-    /// Are they luminance and chroma, `Y`, `RY` and `BY`, which become red, green and blue when they are read?
+    /// Whether they are luminance and chroma, `Y`, `RY` and `BY`, which are converted to red, green and blue when
+    /// read.
     pub luminance_chroma: bool,
 }
 
@@ -48,9 +49,9 @@ pub(crate) struct ChannelName {
     pub view: Option<String>,
     /// Has it no layer but the name of its part?
     pub layerless: bool,
-    /// Which part of the file holds it.
+    /// The index of its part in the file.
     pub part: usize,
-    /// Its place in that part.
+    /// The index in that part.
     pub index: usize,
     /// Is its part not read?
     pub unread: bool,
@@ -75,14 +76,14 @@ pub(crate) struct Bound {
     pub notes: Vec<String>,
 }
 
-/// A variable that a file offers.
+/// A variable that can be read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding {
     /// Its name in programs.
     pub name: String,
-    /// Is it a second name of channels that already are another variable?
+    /// Whether it is a second name for the channels of another variable.
     pub alias: bool,
-    /// Where it comes from: one, or several if it is ambiguous; never none.
+    /// The candidates: one, or several if the variable is ambiguous; never none.
     pub candidates: Vec<Candidate>,
 }
 

@@ -5,10 +5,10 @@ use crate::shape::Shape;
 use std::borrow::Cow;
 use std::fmt;
 
-/// Planes that do not make an image.
+/// The planes do not form an image.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BuildError {
-    /// A variable has another number of planes than its shape has cells.
+    /// The number of planes of a variable differs from the number of cells of its shape.
     Planes {
         /// Which variable.
         name: String,
@@ -17,7 +17,7 @@ pub enum BuildError {
         /// How many there are.
         found: usize,
     },
-    /// A plane has another number of pixels than the image.
+    /// The number of pixels of a plane differs from that of the image.
     Pixels {
         /// Which variable.
         name: String,
@@ -47,7 +47,8 @@ impl fmt::Display for BuildError {
 impl std::error::Error for BuildError {}
 
 impl<'a> Variable<'a> {
-    /// A variable of that shape, with a plane for each of its cells: borrowed (`&[f32]`) or given (`Vec<f32>`).
+    /// Creates a variable of this shape, with a plane for each of its cells, borrowed (`&[f32]`) or owned
+    /// (`Vec<f32>`).
     ///
     /// # Errors
     /// If their number is another.
@@ -66,7 +67,7 @@ impl<'a> Variable<'a> {
 }
 
 impl<'a> Image<'a> {
-    /// An image of `width` columns and `height` rows; each plane holds its pixels row after row, from the top.
+    /// Creates an image of `width` columns and `height` rows; each plane holds its pixels row by row, from the top.
     ///
     /// # Errors
     /// If a plane has another number of pixels, or two variables the same name.

@@ -3,16 +3,16 @@
 use crate::diagnostic::Diagnostic;
 use std::fmt;
 
-/// The kinds of fault, for embedders to match on.
+/// The kinds of fault, for programs to match on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The operating system could not open, read or write the file.
     Io(std::io::ErrorKind),
-    /// The content is of no format that is read here, or the extension of none that is written.
+    /// The content has an unknown format, or the extension is that of an unknown format.
     UnknownFormat,
     /// The file is cut short or damaged.
     Damaged,
-    /// Somebody has written to the file while it was read.
+    /// The file changed while it was read.
     Changed,
     /// The file is legal but uses something that is not supported: deep data, subsampled channels, …
     Unsupported,
@@ -22,32 +22,32 @@ pub enum ErrorKind {
     Missing,
     /// Several groups of channels could be the variable.
     Ambiguous,
-    /// A `--map` that can't be understood.
+    /// An invalid `--map`.
     Mapping,
-    /// The image can't be written as asked.
+    /// The image cannot be written with these options.
     Unwritable,
 }
 
 /// An image could not be read, bound or written.
 ///
-/// Its text is one sentence that names the file; the hints tell what to do.
+/// The message is one sentence that names the file; the hints are remedies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageError {
-    /// What kind of fault.
+    /// The kind of fault.
     pub kind: ErrorKind,
-    /// One sentence without a full stop: what is wrong, and with which file.
+    /// The fact, in one sentence without a full stop that names the file.
     pub message: String,
-    /// How to mend it; each a sentence.
+    /// The remedies; each is a sentence.
     pub hints: Vec<String>,
 }
 
 impl ImageError {
-    /// A fault with no hints yet.
+    /// Creates an error without hints.
     pub fn new(kind: ErrorKind, message: impl Into<String>) -> ImageError {
         ImageError { kind, message: message.into(), hints: Vec::new() }
     }
 
-    /// Adds a way to mend it.
+    /// Adds a remedy.
     pub fn hint(mut self, text: impl Into<String>) -> ImageError {
         self.hints.push(text.into());
         self
@@ -63,9 +63,9 @@ impl ImageError {
             std::io::ErrorKind::PermissionDenied => "permission denied".into(),
             std::io::ErrorKind::IsADirectory => "it is a directory".into(),
             std::io::ErrorKind::StorageFull => "the disk is full".into(),
-            std::io::ErrorKind::QuotaExceeded => "there is no more room for this user".into(),
-            std::io::ErrorKind::FileTooLarge => "it would be larger than files may be here".into(),
-            std::io::ErrorKind::ReadOnlyFilesystem => "nothing can be changed on that disk".into(),
+            std::io::ErrorKind::QuotaExceeded => "the disk quota is exceeded".into(),
+            std::io::ErrorKind::FileTooLarge => "it would exceed the file size limit".into(),
+            std::io::ErrorKind::ReadOnlyFilesystem => "the disk is read-only".into(),
             _ => error.to_string(),
         };
         ImageError::new(ErrorKind::Io(error.kind()), format!("cannot {doing} `{file}`: {why}"))
@@ -76,7 +76,7 @@ impl ImageError {
         ImageError::new(ErrorKind::Damaged, format!("`{file}` is damaged or incomplete: {why}"))
     }
 
-    /// Did writing stop because nobody reads any more? For a pipe that is no failure.
+    /// Whether writing stopped because the reader closed the pipe, which is not a failure.
     pub fn is_broken_pipe(&self) -> bool {
         self.kind == ErrorKind::Io(std::io::ErrorKind::BrokenPipe)
     }

@@ -10,17 +10,17 @@ use super::{Image, Metadata};
 use std::borrow::Cow;
 use std::io::Read;
 
-/// How to read.
+/// Options for reading.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// The user's `--map`s.
+    /// The user's mappings (`--map`).
     pub maps: Vec<Mapping>,
-    /// Take the numbers of PNG, JPEG and the like as they are stored, 0..1, with no sRGB decoding and
-    /// no premultiplication: for normals, masks and other data. EXR files hold numbers anyway.
+    /// Read the stored numbers of pictures such as PNG and JPEG, 0..1, without sRGB decoding and premultiplication:
+    /// for normals, masks and other data. It does not affect EXR files.
     pub raw: bool,
 }
 
-/// How a channel is stored.
+/// The storage type of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Samples {
     /// 16-bit floats.
@@ -37,28 +37,28 @@ pub enum Samples {
     Double,
     /// Whole numbers of this many bits.
     Bits(u8),
-    /// In a way that is not known, so that they are not read.
+    /// An unknown type, which is not read.
     Unknown,
 }
 
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channel {
-    /// The full name: of the layer (the part's name too, where that carries it) and the component.
+    /// The full name: layer (including the part's name, if it is the layer) and component.
     pub name: String,
-    /// Which part of the file holds it.
+    /// The index of its part in the file.
     pub part: usize,
-    /// Its place in that part.
+    /// The index in that part.
     pub index: usize,
-    /// How it is stored.
+    /// The storage type.
     pub samples: Samples,
-    /// Why it is not read by itself, if it is not: a clause that follows "… is not read: ".
+    /// The reason if it cannot be read by itself: a clause that follows "… is not read: ".
     pub unread: Option<String>,
-    /// How many columns and rows each sample stands for.
+    /// The number of columns and rows of each sample.
     pub sampling: [usize; 2],
 }
 
-/// A file whose header has been read. Pixels are decoded by [`File::load`].
+/// A file whose header has been read. [`File::load`] decodes the pixels.
 pub struct File {
     pub(crate) input: Input,
     pub(crate) source: Source,
@@ -113,7 +113,7 @@ pub fn read(input: Input, options: &ReadOptions) -> Result<File, ImageError> {
 }
 
 impl File {
-    /// What messages call it.
+    /// The name in messages.
     pub fn name(&self) -> String {
         self.input.name()
     }
@@ -134,8 +134,9 @@ impl File {
         if self.stamp == self.input.stamp() {
             return Ok(());
         }
-        let message = format!("`{}` has changed while it was read", self.name());
-        Err(ImageError::new(ErrorKind::Changed, message).hint("Run again when nobody writes to it any more."))
+        let message = format!("`{}` changed while it was read", self.name());
+        Err(ImageError::new(ErrorKind::Changed, message)
+            .hint("Run again when no other program writes to it."))
     }
 
     /// The windows and the other header attributes.
@@ -153,7 +154,7 @@ impl File {
         &self.notes
     }
 
-    /// All variables, second names (marked as alias) included.
+    /// All variables, including second names (marked as alias).
     pub fn variables(&self) -> &[Binding] {
         &self.bindings
     }
@@ -170,13 +171,13 @@ impl File {
         }
     }
 
-    /// Has it variables of a view of that name, other than the first, even if they are not read?
+    /// Whether the file has variables of a view with this name, other than the first, even if they cannot be read.
     pub fn has_view(&self, view: &str) -> bool {
         let of_view = |b: &Binding| b.name.split_once('.').is_some_and(|(own, _)| own == view);
         self.bindings.iter().chain(&self.unread).any(of_view)
     }
 
-    /// What to tell a program that reads `name`, which this file does not have.
+    /// Creates the error for a program that reads `name`, which this file does not have.
     pub fn missing(&self, name: &str) -> ImageError {
         let error = bind::missing(&self.name(), &self.bindings, name);
         let Some(binding) = self.unread.iter().find(|b| b.name == name) else { return error };

@@ -39,7 +39,7 @@ pub(crate) fn check_decoded(
                 "`{file}` has {file_bytes} bytes, but would become {width} x {height} pixels in memory at once"
             ),
         )
-        .hint("Store it as EXR, or as PNG without interlacing: these are read row by row.")),
+        .hint("Save it as EXR, or as PNG without interlacing, which are read row by row.")),
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) fn is_hdr(start: &[u8]) -> bool {
 
 /// Reads the header at the start of these bytes.
 pub(super) fn header(name: &str, start: &[u8]) -> Result<Header, ImageError> {
-    let damaged = || ImageError::damaged(name, "its header makes no sense");
+    let damaged = || ImageError::damaged(name, "its header is invalid");
     let mut length = 0;
     let mut line = || -> Result<String, ImageError> {
         let rest = &start[length..];

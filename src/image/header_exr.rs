@@ -116,7 +116,7 @@ impl RawHeader {
 }
 
 fn newer(name: &str) -> ImageError {
-    let message = format!("`{name}` is of a newer version of OpenEXR than is read");
+    let message = format!("`{name}` needs a newer version of OpenEXR");
     ImageError::new(super::ErrorKind::Unsupported, message)
 }
 
@@ -135,7 +135,7 @@ impl RawPart {
             reader.read_exact(&mut size).map_err(io)?;
             let size = u64::from(u32::from_le_bytes(size));
             if size > length || size > i32::MAX as u64 || kind.is_empty() {
-                return Err(ImageError::damaged(name, "its header makes no sense"));
+                return Err(ImageError::damaged(name, "its header is invalid"));
             }
             let mut value = Vec::new();
             reader.by_ref().take(size).read_to_end(&mut value).map_err(io)?;

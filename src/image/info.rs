@@ -11,14 +11,14 @@ use crate::visible::visible_name;
 use exr::meta::BlockDescription;
 use std::fmt;
 
-/// Everything about a file; its text is a table for people.
+/// Everything about a file; its text form is a readable table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Info {
     /// The file, as messages call it.
     pub name: String,
     /// The format's name.
     pub format: String,
-    /// Columns and rows held.
+    /// Columns and rows of the stored pixels.
     pub size: [usize; 2],
     /// The first held pixel, from the top left of the display window.
     pub origin: [i32; 2],
@@ -32,7 +32,7 @@ pub struct Info {
     pub attributes: Vec<(String, String)>,
     /// The channels.
     pub channels: Vec<ChannelInfo>,
-    /// What may surprise; each a sentence.
+    /// Likely problems; each is a sentence.
     pub notes: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ pub struct Info {
 pub struct PartInfo {
     /// Its name; empty if it has none.
     pub name: String,
-    /// The compression's name; empty for formats that have but one.
+    /// The compression's name; empty for formats with only one.
     pub compression: String,
     /// "scan lines", or "tiles of 64 x 64".
     pub layout: String,
@@ -51,7 +51,7 @@ pub struct PartInfo {
     pub origin: [i32; 2],
     /// Deep data, which is not read.
     pub deep: bool,
-    /// Why it is not read, if it is not: a clause that follows "… is not read: ".
+    /// The reason if it cannot be read: a clause that follows "… is not read: ".
     pub unread: Option<String>,
 }
 
@@ -60,26 +60,26 @@ pub struct PartInfo {
 pub struct ChannelInfo {
     /// The full name.
     pub name: String,
-    /// How it is stored.
+    /// The storage type.
     pub samples: Samples,
-    /// The variables it is part of: `point.y`, `depth`; a second name comes in brackets, an ambiguous
-    /// one with a question mark.
+    /// The variables that contain the channel: `point.y`, `depth`; a second name is in brackets, an ambiguous one has
+    /// a question mark.
     pub variables: Vec<String>,
-    /// The least finite number; infinity if there is none.
+    /// The smallest finite number; infinity if there is none.
     pub min: f32,
-    /// The greatest finite number; minus infinity if there is none.
+    /// The largest finite number; minus infinity if there is none.
     pub max: f32,
     /// The mean of the finite numbers; NaN if there are none.
     pub mean: f64,
-    /// How many are NaN.
+    /// The number of NaNs.
     pub nan: u64,
-    /// How many are infinite.
+    /// The number of infinities.
     pub infinite: u64,
-    /// How many are 0.
+    /// The number of zeros.
     pub zero: u64,
-    /// How many are finite and no whole numbers.
+    /// The number of finite values that are not whole.
     pub fractional: u64,
-    /// How many pixels the channel has.
+    /// The number of pixels of the channel.
     pub count: u64,
 }
 
@@ -119,7 +119,7 @@ impl ChannelInfo {
     }
 }
 
-/// Reads the whole file, a block at a time, and sums it up.
+/// Reads the whole file, a block at a time, and computes its statistics.
 ///
 /// # Errors
 /// If the file turns out damaged.
@@ -269,7 +269,7 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     }
     let windows = || read().map(|p| (p.size, p.origin));
     if windows().any(|window| Some(window) != windows().next()) {
-        notes.push("The parts' data windows differ; outside its own, a part's channels read 0.".into());
+        notes.push("The parts' data windows differ; outside its own window, a part's channels are 0.".into());
     }
     let lossy: Vec<&str> = file
         .channels
@@ -294,7 +294,9 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     if let Some(ids) = surface {
         if ids.fractional > 0 {
             let at = pixels(ids.fractional);
-            notes.push(format!("`surface` is no whole number at {at}: a pixel filter has mixed ids there."));
+            notes.push(format!(
+                "`surface` is not a whole number at {at}: a pixel filter has mixed ids there."
+            ));
         }
         if ids.samples == Samples::Uint && ids.max >= 16_777_216.0 {
             notes.push(
@@ -316,14 +318,14 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
         && depth.max <= 1.0
     {
         notes.push(
-            "`depth` lies between 0 and 1: it is perhaps scaled or inverted, and no distance in the units of the scene."
+            "`depth` is between 0 and 1: it may be scaled or inverted, and not a distance in scene units."
                 .into(),
         );
     }
     for binding in file.variables().iter().filter(|b| b.candidates.len() > 1) {
         let groups: Vec<String> = binding.candidates.iter().map(|c| format!("`{}`", c.group)).collect();
         notes.push(format!(
-            "`{}` could be {}: choose with --map {}=… to read it.",
+            "`{}` could be {}: choose one with --map {}=….",
             binding.name,
             groups.join(" or "),
             binding.name
@@ -332,7 +334,7 @@ fn take_notes(file: &File, channels: &[ChannelInfo], parts: &[PartInfo], notes: 
     let bad: Vec<&str> =
         channels.iter().filter(|c| c.nan > 0 || c.infinite > 0).map(|c| c.name.as_str()).collect();
     if !bad.is_empty() {
-        notes.push(format!("Not all numbers are finite in {}.", bad.join(", ")));
+        notes.push(format!("NaN or infinity in {}.", bad.join(", ")));
     }
 }
 

@@ -7,11 +7,11 @@ use super::names::{self, Family};
 use crate::shape::Shape;
 use std::str::FromStr;
 
-/// `name=channels`, given by the user: the variable `name` is these channels, whatever the names say.
+/// A user's `name=channels`: the variable `name` is read from these channels.
 ///
-/// The right side is a group of channels (`ViewLayer.Position`), a single channel
-/// (`ViewLayer.IndexOB.X`), or several channels with commas (`A.R,A.G`). The end of a name is enough
-/// where only one name ends so, and case counts only where it has to.
+/// The right side is a group of channels (`ViewLayer.Position`), a single channel (`ViewLayer.IndexOB.X`), or several
+/// channels separated by commas (`A.R,A.G`). The end of a name is enough if it is unique, and case matters only if
+/// needed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mapping {
     /// The variable; of another view than the file's first, behind the view's name: `right.color`.
@@ -25,20 +25,20 @@ impl FromStr for Mapping {
 
     fn from_str(text: &str) -> Result<Mapping, ImageError> {
         let wrong = |why: &str| {
-            Err(ImageError::new(ErrorKind::Mapping, format!("`{text}` is no mapping: {why}"))
+            Err(ImageError::new(ErrorKind::Mapping, format!("invalid --map `{text}`: {why}"))
                 .hint("Write it as --map point=ViewLayer.Position."))
         };
-        let Some((name, channels)) = text.split_once('=') else { return wrong("it has no `=`") };
+        let Some((name, channels)) = text.split_once('=') else { return wrong("no `=`") };
         let (name, channels) = (name.trim(), channels.trim());
         if channels.is_empty() {
-            return wrong("no channels stand after the `=`");
+            return wrong("no channels after the `=`");
         }
         // A variable of another view than the first has its name before its own: `right.color`.
         let fields: Vec<&str> = name.split('.').collect();
         if fields.len() > 2
             || fields.iter().any(|field| field.is_empty() || names::identifier(field) != *field)
         {
-            return wrong("what stands before the `=` is no variable name");
+            return wrong("the part before the `=` is not a variable name");
         }
         Ok(Mapping { name: name.into(), channels: channels.into() })
     }
@@ -80,7 +80,7 @@ pub(super) fn apply(
         if !channels.iter().any(is_view) {
             let message = format!("--map {}={}: `{file}` has no view `{view}`", map.name, map.channels);
             return Err(ImageError::new(ErrorKind::Mapping, message)
-                .hint(format!("An image with a name is given as -i {view}=FILE.")));
+                .hint(format!("To name an image, write -i {view}=FILE.")));
         }
     }
     let (least, most) = size_of(&map.name);
@@ -160,7 +160,7 @@ fn grey(map: &Mapping, candidate: Candidate, bound: &mut Bound) -> Candidate {
     match candidate.channels[..] {
         [one] if is_color => {
             bound.notes.push(format!(
-                "--map {}={}: one channel, which is used for red, green and blue",
+                "--map {}={}: using one channel for red, green and blue",
                 map.name, map.channels
             ));
             Candidate::plain(candidate.group, vec![one; 3])
@@ -173,7 +173,7 @@ fn grey(map: &Mapping, candidate: Candidate, bound: &mut Bound) -> Candidate {
 fn too_few(map: &Mapping, count: usize, wanted: usize, groups: &[Viewed]) -> ImageError {
     let s = if count == 1 { "" } else { "s" };
     let message = format!(
-        "--map {}={}: `{}` has {wanted} components, and this is {count} channel{s}",
+        "--map {}={}: `{}` has {wanted} components, found {count} channel{s}",
         map.name, map.channels, map.name
     );
     let error = ImageError::new(ErrorKind::Mapping, message);
@@ -187,7 +187,7 @@ fn too_few(map: &Mapping, count: usize, wanted: usize, groups: &[Viewed]) -> Ima
     });
     error.hint(match group {
         Some(group) => format!("Give the whole group: --map {}.", argument(&map.name, group)),
-        None => format!("Give a group, or {wanted} channels with commas between."),
+        None => format!("Give a group, or {wanted} channels separated by commas."),
     })
 }
 
@@ -202,7 +202,7 @@ fn unread(map: &Mapping, candidate: &Candidate, file: &str, channels: &[ChannelN
     let name = bad.map_or("", |c| c.full.as_str());
     let message = format!("--map {}={}: `{name}` of `{file}` is not read", map.name, map.channels);
     ImageError::new(ErrorKind::Mapping, message).hint(match bad.is_some_and(|c| c.unread) {
-        true => "The part that holds it is not read: see `pse info`.",
+        true => "Its part cannot be read: see `pse info`.",
         false => "It is subsampled: convert it to full resolution first.",
     })
 }

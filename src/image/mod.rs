@@ -127,7 +127,7 @@ pub use build::BuildError;
 use crate::shape::Shape;
 use std::borrow::Cow;
 
-/// An image in memory. Rows run from the top; a plane holds `width * height` numbers, row after row.
+/// An image in memory. Rows start at the top; a plane holds `width * height` numbers, row by row.
 #[derive(Clone, Debug, Default)]
 pub struct Image<'a> {
     /// Columns held (of the data window).
@@ -136,7 +136,7 @@ pub struct Image<'a> {
     pub height: usize,
     /// Its variables, in the order of the file or of assignment.
     pub variables: Vec<Variable<'a>>,
-    /// The display window, the place of the held pixels in it, and what else the file's header said.
+    /// The display window, the position of the stored pixels in it, and other data of the file's header.
     pub metadata: Metadata,
 }
 
@@ -151,15 +151,15 @@ pub struct Variable<'a> {
     pub planes: Vec<Cow<'a, [f32]>>,
 }
 
-/// What a file's header says beside its channels.
+/// The data of a file's header other than its channels.
 #[derive(Clone, Debug)]
 pub struct Metadata {
-    /// Where the first held pixel lies, from the top left of the display window; may be negative.
+    /// The position of the first stored pixel, from the top left of the display window; may be negative.
     pub origin: [i32; 2],
-    /// Columns and rows of the display window; `None` where it is the held pixels.
+    /// Columns and rows of the display window; `None` if it is the stored pixels.
     pub resolution: Option<[usize; 2]>,
-    /// Where the file puts the display window's top left; nearly always `[0, 0]`, and of no effect
-    /// but that an EXR file written with this metadata has it again.
+    /// The top left of the display window in the file's coordinates, nearly always `[0, 0]`. It only affects EXR
+    /// files written with this metadata.
     pub display_origin: [i32; 2],
     /// The width of a pixel over its height.
     pub pixel_aspect: f32,
@@ -184,7 +184,7 @@ impl Default for Metadata {
 pub type Matrix4 = [[f32; 4]; 4];
 
 impl Image<'_> {
-    /// The same with planes of its own.
+    /// Converts the planes to owned ones.
     pub fn into_owned(self) -> Image<'static> {
         let own = |v: Variable<'_>| Variable {
             name: v.name,
@@ -195,14 +195,14 @@ impl Image<'_> {
         Image { width: self.width, height: self.height, variables, metadata: self.metadata }
     }
 
-    /// In how many pixels some plane of the variables for which `of` holds is NaN or infinite.
+    /// Counts the pixels at which a plane of a variable accepted by `of` is NaN or infinite.
     pub fn not_finite(&self, of: impl Fn(&str) -> bool) -> usize {
         let own = self.variables.iter().filter(|v| of(&v.name));
         let planes: Vec<&[f32]> = own.flat_map(|v| &v.planes).map(|p| &**p).collect();
         (0..self.width * self.height).filter(|&i| planes.iter().any(|p| !p[i].is_finite())).count()
     }
 
-    /// The variable of that name.
+    /// Finds the variable with this name.
     pub fn variable(&self, name: &str) -> Option<&Variable<'_>> {
         self.variables.iter().find(|v| v.name == name)
     }

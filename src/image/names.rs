@@ -38,7 +38,7 @@ pub(crate) struct Group {
     pub letters: String,
     /// How they are named.
     pub family: Family,
-    /// How they nest.
+    /// The shape.
     pub shape: Shape,
     /// Is it one component of several, and so nothing by itself?
     pub sibling: bool,

@@ -26,10 +26,10 @@ impl Input {
     }
 }
 
-/// How to read.
+/// Options for reading.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// The user's `--map`s.
+    /// The user's mappings (`--map`).
     pub maps: Vec<Mapping>,
     /// Take the numbers as they are stored.
     pub raw: bool,
@@ -47,7 +47,7 @@ pub fn read(input: Input, _: &ReadOptions) -> Result<File, ImageError> {
 }
 
 impl File {
-    /// What messages call it.
+    /// The name in messages.
     pub fn name(&self) -> String {
         match *self {}
     }

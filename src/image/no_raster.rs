@@ -25,7 +25,7 @@ pub(crate) struct Raster {
 impl Raster {
     /// Always an error.
     pub fn open(input: &Input, _raw: bool) -> Result<Raster, ImageError> {
-        let message = format!("`{}` is no OpenEXR file", input.name());
+        let message = format!("`{}` is not an OpenEXR file", input.name());
         Err(ImageError::new(ErrorKind::UnknownFormat, message).hint(HINT))
     }
 
@@ -67,7 +67,7 @@ impl RasterWriter {
         _: usize,
         _: &WriteOptions,
     ) -> Result<RasterWriter, ImageError> {
-        let message = format!("cannot write `{name}`: this build writes OpenEXR alone");
+        let message = format!("cannot write `{name}`: this build writes only OpenEXR");
         Err(ImageError::new(ErrorKind::UnknownFormat, message).hint(HINT))
     }
 

@@ -230,7 +230,7 @@ fn open_part(name: &str, raw: &RawHeader, part: &RawPart, length: u64) -> ExrPar
                 ),
             )
         }
-        None => (None, Some(Refusal::damaged(ImageError::damaged(name, "its header makes no sense")))),
+        None => (None, Some(Refusal::damaged(ImageError::damaged(name, "its header is invalid")))),
     };
     let computed = header.as_ref().filter(|_| refusal.is_none()).map(|h| h.chunk_count as u64);
     let chunk_count = computed.or(part.chunk_count()).unwrap_or(0);
@@ -277,7 +277,7 @@ impl Refusal {
     }
 
     fn damaged(error: ImageError) -> Refusal {
-        Refusal { why: "its header makes no sense".into(), error }
+        Refusal { why: "its header is invalid".into(), error }
     }
 }
 
@@ -291,7 +291,7 @@ fn nothing_to_read(name: &str, parts: Vec<ExrPart>) -> ImageError {
     if others.is_empty() {
         return first.error;
     }
-    let message = format!("`{name}` has no part that is read");
+    let message = format!("`{name}` has no part that can be read");
     let mut error = ImageError::new(ErrorKind::Unsupported, message);
     for (part, refusal) in std::iter::once((first_name, first)).chain(others) {
         error = error.hint(format!("`{part}`: {}.", refusal.why));
@@ -345,7 +345,7 @@ fn union(name: &str, parts: &[ExrPart], length: u64) -> Result<(i64, i64, usize,
     let channels: u64 = read().map(|h| h.channels.list.len() as u64).sum();
     guard::check_size(name, width, height, 4 * channels, length).map_err(|e| match read().count() {
         1 => e,
-        _ => e.hint("The rectangle around the data windows of all its parts is as large as that."),
+        _ => e.hint("That is the size of the rectangle around the data windows of all its parts."),
     })?;
     Ok((left, top, width as usize, height as usize))
 }

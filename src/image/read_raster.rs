@@ -79,7 +79,7 @@ impl Raster {
             let tga = Tga::open(input)?;
             ("TGA", tga.size, tga.layout.clone(), Decoder::Tga(Box::new(tga)), 1)
         } else {
-            let message = format!("`{name}` is no image of a format that is read");
+            let message = format!("`{name}` is not an image in a format that pse reads");
             return Err(ImageError::new(ErrorKind::UnknownFormat, message)
                 .hint("Formats: OpenEXR, PNG, JPEG, TIFF, Radiance HDR, BMP, TGA, WebP."));
         };
@@ -93,7 +93,7 @@ impl Raster {
         // An HDR's order of rows is part of how it is stored.
         let turned = if raw { 1 } else { orientation };
         let whole = match decoder {
-            Decoder::Image(ImageFormat::Png) if turned != 1 => Some("the picture has to be turned"),
+            Decoder::Image(ImageFormat::Png) if turned != 1 => Some("the picture must be rotated"),
             Decoder::Image(ImageFormat::Png) if is_interlaced(input, &name)? => {
                 Some("the rows of an interlaced PNG are complete at its end only")
             }
@@ -127,12 +127,12 @@ impl Raster {
         let mut notes = Vec::new();
         let turn = match self.orientation {
             2 => "mirrored left to right",
-            3 => "turned by 180 degrees",
+            3 => "rotated by 180 degrees",
             4 => "mirrored top to bottom",
-            5 => "mirrored left to right, then turned by 90 degrees to the left",
-            6 => "turned by 90 degrees to the right",
-            7 => "mirrored left to right, then turned by 90 degrees to the right",
-            8 => "turned by 90 degrees to the left",
+            5 => "mirrored left to right, then rotated by 90 degrees to the left",
+            6 => "rotated by 90 degrees to the right",
+            7 => "mirrored left to right, then rotated by 90 degrees to the right",
+            8 => "rotated by 90 degrees to the left",
             _ => "",
         };
         if !turn.is_empty() {
@@ -188,7 +188,7 @@ fn header_of(input: &Input, kind: ImageFormat) -> Result<([usize; 2], Layout, u8
         Ok(([width as usize, height as usize], decoder.color_type(), orientation))
     });
     let (size, color, mut orientation) =
-        contained.ok_or_else(|| ImageError::damaged(&name, "its header makes no sense"))??;
+        contained.ok_or_else(|| ImageError::damaged(&name, "its header is invalid"))??;
     if kind == ImageFormat::Png {
         orientation = png_chunks::orientation(&name, &mut input.open()?.0)?;
     }
@@ -230,7 +230,7 @@ fn is_interlaced(input: &Input, name: &str) -> Result<bool, ImageError> {
         (about.interlaced, guard::fits_deflate(row, about.height.into(), length))
     };
     let (interlaced, fits) = guard::contain(|| decoder.read_header_info().map(header))
-        .ok_or_else(|| ImageError::damaged(name, "its header makes no sense"))?
+        .ok_or_else(|| ImageError::damaged(name, "its header is invalid"))?
         .map_err(|e| super::scan_raster::explain_png(name, e))?;
     if !fits {
         return Err(ImageError::damaged(name, "it ends too early"));

@@ -11,10 +11,10 @@ use std::io;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What a file was opened for.
+/// The purpose of an opened file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// The text of a program. It may be saved again as such (`pse fmt`), but `--force` does not sacrifice it.
+    /// The text of a program. `pse fmt` may save it again, but no output replaces it, even with `--force`.
     Program,
     /// An image, a mesh or its data.
     Data,
@@ -72,7 +72,7 @@ fn identity_of(path: &Path) -> Option<Identity> {
     identity(path, &std::fs::metadata(path).ok()?)
 }
 
-/// From now on, opened files are recorded, and outputs do not replace them.
+/// Starts recording opened files; outputs do not replace them.
 pub fn protect_inputs() {
     registry().get_or_insert_default();
 }
@@ -84,7 +84,7 @@ pub fn set_force(force: Force) {
     }
 }
 
-/// Records a file that was opened for reading: whoever opens an input or a part of one passes it through here.
+/// Records a file that was opened for reading. All code that opens an input must pass it through here.
 pub fn recorded(path: &Path, content: Content, opened: io::Result<File>) -> io::Result<File> {
     let file = opened?;
     if registry().is_some() {

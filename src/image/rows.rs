@@ -12,10 +12,9 @@ use crate::shape::Shape;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Some variables of a file, read from the top down.
+/// Reads some variables of a file, from the top down.
 ///
-/// EXR and PNG files are decoded as far as the rows that are asked for; of other formats the picture is decoded when
-/// the first row is.
+/// EXR and PNG files are decoded up to the requested rows; other formats are decoded as a whole at the first row.
 pub struct Rows<'f> {
     file: &'f File,
     variables: Vec<Stored>,
@@ -108,12 +107,12 @@ impl File {
         Ok(Rows { file: self, variables, margin, wanted, pixels, planes, held: 0..0, done: 0 })
     }
 
-    /// Can its rows be read one after another, without the whole picture in memory?
+    /// Whether rows can be read one after another, without the whole picture in memory.
     pub fn streams(&self) -> bool {
         self.whole().is_none()
     }
 
-    /// Are its lower rows read without those above?
+    /// Whether lower rows can be read without those above.
     pub fn seeks(&self) -> bool {
         matches!(self.source, Source::Exr(_))
     }
@@ -131,7 +130,7 @@ impl File {
             }
     }
 
-    /// Why its pixels have to be in memory as a whole, if they have.
+    /// The reason if its pixels must be in memory as a whole.
     pub fn whole(&self) -> Option<&'static str> {
         match &self.source {
             Source::Exr(_) => None,

@@ -253,7 +253,7 @@ impl Part<'_> {
         // What does not shrink is stored as it is.
         let most = self.blocks.size.area() * self.header.channels.bytes_per_pixel;
         let Some(size) = usize::try_from(size).ok().filter(|size| *size <= most) else {
-            return damaged("a block of pixels claims an absurd size");
+            return damaged("a block of pixels claims an impossible size");
         };
         let mut packed = Vec::new();
         reader.take(size as u64).read_to_end(&mut packed).map_err(|e| ImageError::io("read", name, &e))?;
@@ -297,7 +297,7 @@ fn decompress(
         false => size.area() * header.channels.bytes_per_pixel,
     };
     if !believable(header, &packed, bytes, size) {
-        return Err(ImageError::damaged(name, "a block of pixels claims an absurd size"));
+        return Err(ImageError::damaged(name, "a block of pixels claims an impossible size"));
     }
     let unpack = || match sampled {
         true => sampled_blocks::decompress(header, packed, rows),
@@ -308,10 +308,10 @@ fn decompress(
         }
     };
     let block = guard::contain(unpack)
-        .ok_or_else(|| ImageError::damaged(name, "a block of pixels makes no sense"))?
+        .ok_or_else(|| ImageError::damaged(name, "a block of pixels is invalid"))?
         .map_err(|e| explain(name, e))?;
     if block.len() != bytes {
-        return Err(ImageError::damaged(name, "a block of pixels is not as large as it has to be"));
+        return Err(ImageError::damaged(name, "a block of pixels has the wrong size"));
     }
     Ok(block)
 }

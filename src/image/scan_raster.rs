@@ -37,7 +37,7 @@ impl<'f> RasterScan<'f> {
                 let mut decoder = png_decoder(reader, raster.limit);
                 decoder.set_transformations(png::Transformations::EXPAND);
                 let reader = guard::contain(|| decoder.read_info())
-                    .ok_or_else(|| ImageError::damaged(&name, "its header makes no sense"))?
+                    .ok_or_else(|| ImageError::damaged(&name, "its header is invalid"))?
                     .map_err(|e| explain_png(&name, e))?;
                 Pixels::Rows(Box::new(reader))
             }
@@ -56,7 +56,7 @@ impl<'f> RasterScan<'f> {
             Pixels::Rows(reader) => {
                 let line = width * raster.layout.pixel_bytes() as usize;
                 let mut bytes = vec![0; line * rows.len().max(1)];
-                let damaged = || ImageError::damaged(name, "its pixels make no sense");
+                let damaged = || ImageError::damaged(name, "its pixel data is invalid");
                 guard::contain(|| {
                     let read = |reader: &mut png::Reader<_>, line: &mut [u8]| {
                         let row = reader.read_row(line).map_err(|e| explain_png(name, e))?;
@@ -153,7 +153,7 @@ impl Raster {
         limits.max_alloc = Some(self.limit);
         reader.limits(limits);
         let image = guard::contain(|| reader.decode())
-            .ok_or_else(|| ImageError::damaged(&name, "its pixels make no sense"))?
+            .ok_or_else(|| ImageError::damaged(&name, "its pixel data is invalid"))?
             .map_err(|e| explain(&name, e))?;
         Ok(match image {
             DynamicImage::ImageLuma8(image) => Codes::Byte(image.into_raw()),

@@ -7,9 +7,9 @@ use std::path::Path;
 /// Numbers are exact. The value is the nearest `f32`: above 16777216 (2^24) not every whole number is one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// What a program reads.
+    /// The value that a program reads.
     pub value: f32,
-    /// What stands in names; `None` between two frames.
+    /// The number in file names; `None` between two frames.
     pub number: Option<i64>,
 }
 
@@ -32,7 +32,7 @@ impl From<f32> for Frame {
     }
 }
 
-/// The greatest number of a frame; all up to it are exact in 64-bit floats too.
+/// The largest frame number; all numbers up to it are exact in 64-bit floats too.
 pub const MAX_FRAME: i64 = 1_000_000_000_000_000;
 
 /// The most digits that a frame's number is padded to.

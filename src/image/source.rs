@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
-/// Where to read an image from. Cheap to clone.
+/// The source of an image. Cheap to clone.
 #[derive(Clone, Debug)]
 pub enum Input {
-    /// A file, opened anew for each pass over it.
+    /// A file, opened for each pass over it.
     Path(PathBuf),
-    /// A file that a program names: a regular one in these folders, wherever links lead.
+    /// A file that a program names: a regular file inside these folders, after following links.
     Confined {
         /// The file.
         path: PathBuf,
@@ -26,14 +26,14 @@ pub enum Input {
     },
     /// Bytes in memory.
     Bytes {
-        /// What messages call it.
+        /// The name in messages.
         name: String,
         /// The whole file.
         bytes: Arc<[u8]>,
     },
     /// Bytes in a temporary file without a name.
     Spooled {
-        /// What messages call it.
+        /// The name in messages.
         name: String,
         /// The file, whose position is nobody's own.
         file: Arc<Mutex<File>>,
@@ -59,7 +59,7 @@ pub(crate) trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
 impl Input {
-    /// A path, or standard input for `-`.
+    /// Creates the input for a path, or for standard input with `-`.
     ///
     /// # Errors
     /// If standard input cannot be read.
@@ -73,7 +73,7 @@ impl Input {
         }
     }
 
-    /// All that `reader` gives until its end.
+    /// Reads `reader` to its end.
     ///
     /// # Errors
     /// If reading fails, or there is no end: what is longer than 64 MB has to begin as an image does, and 32 GB are the
@@ -91,12 +91,12 @@ impl Input {
             return Ok(Input::Bytes { name: name.to_string(), bytes: bytes.into() });
         }
         if !begins_as_image(name, &bytes) {
-            let message = format!("`{name}` is no image of a format that is read");
+            let message = format!("`{name}` is not an image in a format that pse reads");
             return Err(ImageError::new(ErrorKind::UnknownFormat, message));
         }
         let keep = |e: io::Error| {
             ImageError::io("write", "a temporary file for standard input", &e)
-                .hint("`TMPDIR` names the folder for such files.")
+                .hint("Set another folder with `TMPDIR`.")
         };
         let mut file = tempfile::tempfile_in(temporary_folder()).map_err(keep)?;
         let mut length = 0;
@@ -104,9 +104,10 @@ impl Input {
             file.write_all(&bytes).map_err(keep)?;
             length += bytes.len() as u64;
             if length > limit {
-                let message = format!("`{name}` is too long: of a pipe, {} MB are read at most", limit >> 20);
+                let message =
+                    format!("`{name}` is too long: at most {} MB are read from a pipe", limit >> 20);
                 return Err(ImageError::new(ErrorKind::TooLarge, message)
-                    .hint("Write it to a file, and give that with -i."));
+                    .hint("Write it to a file, and give the file with -i."));
             }
             bytes.clear();
             reader.by_ref().take(1 << 20).read_to_end(&mut bytes).map_err(read)?;
@@ -114,12 +115,12 @@ impl Input {
         Ok(Input::Spooled { name: name.to_string(), file: Arc::new(Mutex::new(file)), length })
     }
 
-    /// Bytes that are already in memory.
+    /// Creates an input from bytes in memory.
     pub fn from_bytes(name: &str, bytes: impl Into<Arc<[u8]>>) -> Input {
         Input::Bytes { name: name.to_string(), bytes: bytes.into() }
     }
 
-    /// What messages call it.
+    /// The name in messages.
     pub fn name(&self) -> String {
         match self {
             Input::Path(path) | Input::Confined { path, .. } => path.display().to_string(),
@@ -127,7 +128,7 @@ impl Input {
         }
     }
 
-    /// The path, if it is a file's.
+    /// The path, if the input is a file.
     pub fn path(&self) -> Option<&Path> {
         match self {
             Input::Path(path) | Input::Confined { path, .. } => Some(path),
@@ -297,7 +298,7 @@ mod tests {
         assert_eq!(error.kind, ErrorKind::UnknownFormat);
         let exr = || Cursor::new(super::super::read_exr::MAGIC).chain(io::repeat(0));
         let error = Input::spooled("a", exr(), 1 << 10, 1 << 20).unwrap_err();
-        assert_eq!(error.message, "`a` is too long: of a pipe, 1 MB are read at most");
+        assert_eq!(error.message, "`a` is too long: at most 1 MB are read from a pipe");
         let length = (1 << 20) - 5;
         assert!(matches!(
             Input::spooled("a", exr().take(length), 1 << 10, 1 << 20),

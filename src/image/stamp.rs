@@ -28,13 +28,13 @@ pub(super) const SOFTWARE_KEYWORD: &str = "Software";
 const PNG_START: usize = 8 + 4 + 4 + 13 + 4;
 
 impl Format {
-    /// Can a file of this format hold [`WriteOptions::stamp`](super::WriteOptions::stamp)?
+    /// Whether files of this format can hold [`WriteOptions::stamp`](super::WriteOptions::stamp).
     pub fn holds_stamp(self) -> bool {
         matches!(self, Format::Exr | Format::Png)
     }
 }
 
-/// Does the file bear this stamp, and can all of it be decoded?
+/// Whether the file has this stamp and can be decoded completely.
 pub fn is_whole(path: &Path, stamp: &str) -> bool {
     let checked = || -> Result<bool, ImageError> {
         let file = read(Input::Path(path.to_path_buf()), &ReadOptions::default())?;
@@ -86,7 +86,7 @@ impl File {
     }
 }
 
-/// Whether a file is one that `pse` wrote, known by the software that the header of an EXR or PNG file names.
+/// Whether `pse` wrote a file, according to the software entry in the header of an EXR or PNG file.
 pub fn written_by_pse(path: &Path) -> bool {
     let about = || -> Result<bool, ImageError> {
         let file = read(Input::Path(path.to_path_buf()), &ReadOptions::default())?;

@@ -76,7 +76,7 @@ impl Tga {
                 let message = format!("`{name}` cannot be read: TGA with Huffman compression");
                 return Err(ImageError::new(ErrorKind::Unsupported, message));
             }
-            _ => return Err(ImageError::damaged(&name, "its header makes no sense")),
+            _ => return Err(ImageError::damaged(&name, "its header is invalid")),
         };
         let palette = match mapped {
             1 => (short(3).into(), short(5).into(), header[7]),

@@ -57,8 +57,8 @@ impl Format {
         found.map(|(_, format)| *format).ok_or_else(|| {
             let path = path.display();
             let message = match extension {
-                Some(e) => format!("cannot write `{path}`: `.{e}` is no format that is written"),
-                None => format!("cannot write `{path}`: its name has no extension to tell the format"),
+                Some(e) => format!("cannot write `{path}`: unknown format `.{e}`"),
+                None => format!("cannot write `{path}`: the name has no extension for the format"),
             };
             let list: Vec<String> = EXTENSIONS.iter().map(|(e, _)| format!(".{e}")).collect();
             ImageError::new(ErrorKind::UnknownFormat, message).hint(format!("Formats: {}.", list.join(" ")))

@@ -78,7 +78,7 @@ impl ExrWriter {
         channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
         if let Some(pair) = channels.windows(2).find(|pair| pair[0].name == pair[1].name) {
             let why = format!("two variables would be the channel `{}`", pair[0].name);
-            return Err(unwritable(name, why).hint("Rename one of them, or leave it out."));
+            return Err(unwritable(name, why).hint("Rename or remove one of them."));
         }
         let header = header(name, first, height, &channels, options.compression)?;
         let mut attributes = attributes(first, &header, &crypto);
@@ -91,7 +91,7 @@ impl ExrWriter {
         let too_long =
             channels.iter().map(|c| &c.name).chain(attributes.iter().map(|a| &a.0)).find(|n| n.len() > 255);
         if let Some(text) = too_long {
-            return Err(unwritable(name, format!("a name of more than 255 letters: `{text}`")));
+            return Err(unwritable(name, format!("a name is longer than 255 letters: `{text}`")));
         }
         // Magic number and version 2, with a flag for names of more than 31 letters.
         let mut start = super::read_exr::MAGIC.to_vec();
@@ -246,7 +246,9 @@ fn header(
         let start = i64::from(about.display_origin[axis]) + i64::from(about.origin[axis]);
         let size = [image.width, rows][axis] as i64;
         let within = start > -(1 << 29) && start + size < (1 << 29);
-        within.then_some(start as i32).ok_or_else(|| unwritable(name, "its data window lies too far out"))
+        within
+            .then_some(start as i32)
+            .ok_or_else(|| unwritable(name, "its data window is too far from the origin"))
     };
     let position = Vec2(place(0)?, place(1)?);
     let [width, height] = image.metadata.resolution.unwrap_or([image.width, rows]);

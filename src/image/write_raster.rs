@@ -76,7 +76,9 @@ impl RasterWriter {
             _ => {
                 let mut codes = Vec::new();
                 let room = codes.try_reserve_exact(w * h * count * usize::from(bits / 8));
-                room.map_err(|_| unwritable(name, "memory is short, and the format is written as a whole"))?;
+                room.map_err(|_| {
+                    unwritable(name, "not enough memory; the format can only be written as a whole")
+                })?;
                 Sink::Whole(codes)
             }
         };
@@ -141,7 +143,7 @@ impl RasterWriter {
         let mut out = BufWriter::new(out);
         let (w, h) = (size[0] as u32, size[1] as u32);
         let done: ImageResult<()> = match format {
-            Format::Exr | Format::Png => unreachable!("they have writers of their own"),
+            Format::Exr | Format::Png => unreachable!("they have separate writers"),
             Format::Jpeg => jpeg::JpegEncoder::new_with_quality(&mut out, options.quality.clamp(1, 100))
                 .write_image(&bytes, w, h, kind),
             Format::Tiff => {
@@ -209,7 +211,7 @@ fn bits(name: &str, format: Format, options: &WriteOptions) -> Result<u8, ImageE
         return Ok(bits);
     }
     let list: Vec<String> = can.iter().map(u8::to_string).collect();
-    let why = format!("the format has no components of {bits} bits, only of {}", list.join(", "));
+    let why = format!("the format does not support {bits} bits per component, only {}", list.join(", "));
     Err(unwritable(name, why))
 }
 

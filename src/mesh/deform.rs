@@ -8,7 +8,7 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// A mesh whose points are to be moved by a program.
+/// A mesh whose points a program moves.
 ///
 /// ```
 /// use pse::mesh::{Deform, head};
@@ -34,14 +34,14 @@ pub struct Deform {
 }
 
 impl Deform {
-    /// Looks at a mesh. Corners that lie at the same place and had the same normal, or none, will have the same normal again:
-    /// what was smooth stays smooth, and a crease stays a crease.
+    /// Prepares a mesh. Corners at the same position with the same normal, or without one, will share a normal again:
+    /// smooth edges stay smooth, and creases stay creases.
     pub fn new(mesh: Mesh) -> Deform {
         Deform::around(mesh, [0.0; 3])
     }
 
-    /// The same, where the program sees points relative to `origin`, and what it returns is put back from there. So a mesh far
-    /// from the origin of its file keeps detail that a 32-bit `point` would lose.
+    /// Prepares a mesh, with points relative to `origin` for the program; the result is moved back. So a mesh far
+    /// from the origin keeps detail that a 32-bit `point` would lose.
     pub fn around(mesh: Mesh, origin: [f64; 3]) -> Deform {
         let places = mesh.places();
         let mut numbers: HashMap<(u32, Option<[u64; 3]>), u32> = HashMap::new();
@@ -79,7 +79,7 @@ impl Deform {
         Deform { mesh, origin, planes, group, groups }
     }
 
-    /// How far vertices lie from their neighbours: the mean length of the edges, which is the `pixelsize` of a deformation.
+    /// The mean length of the edges, which is the `pixelsize` of a deformation.
     pub fn spacing(&self) -> f32 {
         let place = |corner: &super::Corner| DVec3::from(self.mesh.points[corner.point as usize]);
         let (mut sum, mut count) = (0.0, 0usize);
@@ -93,12 +93,12 @@ impl Deform {
         (sum / count.max(1) as f64) as f32
     }
 
-    /// The mesh as it was.
+    /// The original mesh.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// The points as an image of one row, with the variables `point`, `normal` and, where the mesh has it, `uv`.
+    /// The points as an image of one row, with the variables `point`, `normal` and, if the mesh has it, `uv`.
     pub fn image(&self) -> Image<'_> {
         let mut variables = Vec::new();
         for (name, range) in [("point", 0..3), ("normal", 3..6), ("uv", 6..8)] {
@@ -112,7 +112,7 @@ impl Deform {
         Image { width: self.mesh.points.len(), height: 1, variables, ..Image::default() }
     }
 
-    /// The mesh with the points of `image`, which a program made of [`Deform::image`].
+    /// Returns the mesh with the points of `image`, the result of a program on [`Deform::image`].
     ///
     /// A coordinate that the program left as it was keeps the file's number, with all its digits. Normals are made anew from the
     /// faces where one of these changed, and where there are none; if no point moved, the mesh is as it was.
@@ -126,13 +126,13 @@ impl Deform {
             image.variable("point").filter(|v| v.planes.iter().all(|p| p.len() == self.mesh.points.len()));
         let Some(point) = point else {
             return wrong(
-                "the program assigns no point".into(),
-                "A deformation says where each vertex goes, for example: point += 0.1 * normal * Noise(4 * point).",
+                "the program does not assign `point`".into(),
+                "Assign the new position of each vertex, for example: point += 0.1 * normal * Noise(4 * point).",
             );
         };
         let [x, y, z] = &point.planes[..] else {
-            let message = format!("point is {}, where a vertex needs a vector of 3", point.shape);
-            return wrong(message, "Say where it goes: point = [x y z].");
+            let message = format!("`point` is {}, and a vertex needs a vector of 3", point.shape);
+            return wrong(message, "Assign a vector of 3: point = [x y z].");
         };
         let mut mesh = self.mesh.clone();
         let mut moved = vec![false; mesh.points.len()];
@@ -153,7 +153,9 @@ impl Deform {
             if new.iter().chain(&place.map(|c| c as f32)).any(|c| !c.is_finite()) {
                 let ([x, y, z], [a, b, c], vertex) = (new, [0, 1, 2].map(|k| self.planes[k][i]), i + 1);
                 return wrong(
-                    format!("the program moves vertex {vertex} to [{x} {y} {z}], which is no place"),
+                    format!(
+                        "the program moves vertex {vertex} to [{x} {y} {z}], which is not a valid position"
+                    ),
                     &format!("It was at [{a} {b} {c}]."),
                 );
             }

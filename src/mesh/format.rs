@@ -19,7 +19,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that a file's name ends in.
+    /// The format for a file's extension.
     pub fn of(path: &Path) -> Option<Format> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -31,7 +31,7 @@ impl Format {
         }
     }
 
-    /// The format in which a file of that name is written.
+    /// The format for writing a file with this name.
     ///
     /// # Errors
     /// If there is none.
@@ -41,16 +41,13 @@ impl Format {
             Err(ImageError::new(ErrorKind::UnknownFormat, message).hint(hint))
         };
         match Format::of(path) {
-            Some(Format::Gltf) => unknown(
-                "glTF is written as one file with its data in it".into(),
-                "Call it .glb; every reader of glTF knows it.",
-            ),
+            Some(Format::Gltf) => unknown("glTF is written only as a single file".into(), "Name it .glb."),
             Some(format) => Ok(format),
             None => {
-                let hint = "Meshes are written as .obj, .ply and .glb.";
+                let hint = "Write .obj, .ply or .glb.";
                 match path.extension() {
-                    Some(extension) => unknown(format!("no mesh ends in .{}", extension.display()), hint),
-                    None => unknown("its name does not tell the format".into(), hint),
+                    Some(extension) => unknown(format!("unknown mesh format .{}", extension.display()), hint),
+                    None => unknown("the name has no extension for the format".into(), hint),
                 }
             }
         }
@@ -75,7 +72,10 @@ impl Mesh {
         };
         if let Some(i) = self.points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
             let [x, y, z] = self.points[i];
-            return Err(unwritable(format!("vertex {} is at [{x} {y} {z}], which is no place", i + 1)));
+            return Err(unwritable(format!(
+                "vertex {} is at [{x} {y} {z}], which is not a valid position",
+                i + 1
+            )));
         }
         let name = file.name().to_string();
         let fail = |e: io::Error| ImageError::io("write", &name, &e);

@@ -40,7 +40,7 @@ impl DataType {
             5123 => DataType::U16,
             5125 => DataType::U32,
             5126 => DataType::F32,
-            _ => return Err(format!("`componentType` is {code}, which stands for no type of numbers")),
+            _ => return Err(format!("`componentType` is {code}, which is not a type of numbers")),
         })
     }
 
@@ -80,8 +80,8 @@ impl<'a> Buffers<'a> {
         let bytes = match (text(buffer, "uri"), self.own) {
             (Some(uri), _) => Cow::Owned(fetch(uri, self.path, length)?),
             (None, Some(own)) if number == 0 => Cow::Borrowed(own),
-            (None, _) if number == 0 => return Err("its binary piece is missing".into()),
-            (None, _) => return Err(format!("buffer {number} has no data: it has no `uri`")),
+            (None, _) if number == 0 => return Err("its binary chunk is missing".into()),
+            (None, _) => return Err(format!("buffer {number} has no data and no `uri`")),
         };
         if bytes.len() < length {
             let has = bytes.len();
@@ -100,13 +100,13 @@ impl<'a> Buffers<'a> {
         let bytes = self.buffer(buffer).map_err(|wrong| {
             // The buffer of compressed data is another one, which only the extension names.
             match extension(view, "EXT_meshopt_compression").or(extension(view, "KHR_meshopt_compression")) {
-                Some(_) => "its numbers are compressed (meshopt_compression), which is not known here".into(),
+                Some(_) => "its numbers are compressed (meshopt_compression), which pse does not read".into(),
                 None => wrong,
             }
         })?;
         let range = start.checked_add(length).and_then(|end| bytes.get(start..end));
         let bytes = range.and_then(|bytes| bytes.get(offset..));
-        let bytes = bytes.ok_or_else(|| format!("buffer view {number} lies outside of its buffer"))?;
+        let bytes = bytes.ok_or_else(|| format!("buffer view {number} is outside its buffer"))?;
         Ok((bytes, index(view, "byteStride").map_err(what)?))
     }
 
@@ -214,7 +214,7 @@ fn entry<const N: usize>(bytes: &[u8], kind: DataType, normalized: bool) -> [f64
 
 /// The file beside the one at `path` that a URI names.
 pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, Wrong> {
-    let name = percent_decode_str(uri).decode_utf8().map_err(|_| format!("`{uri}` is no file's name"))?;
+    let name = percent_decode_str(uri).decode_utf8().map_err(|_| format!("`{uri}` is not a file name"))?;
     let name = Path::new(&*name);
     let plain = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     if uri.contains(':') || !name.components().all(plain) {
@@ -226,7 +226,7 @@ pub(super) fn beside(uri: &str, path: &Path) -> Result<PathBuf, Wrong> {
 /// The longest .gltf file of which the companions are looked for.
 const MAX_JSON: u64 = 1 << 30;
 
-/// The files that a .gltf file names for its data, as far as it can be read.
+/// The data files that a .gltf file names, as far as it can be read.
 pub fn companions(path: &Path) -> Vec<PathBuf> {
     let bytes = files::regular(path).and_then(|file| files::read_all(file, MAX_JSON));
     let Ok(bytes) = bytes else { return Vec::new() };
@@ -239,14 +239,14 @@ pub fn companions(path: &Path) -> Vec<PathBuf> {
 /// one at `path`. Nothing is fetched from elsewhere, by links either.
 fn fetch(uri: &str, path: &Path, length: usize) -> Result<Vec<u8>, Wrong> {
     if let Some(data) = uri.strip_prefix("data:") {
-        let (about, data) = data.split_once(',').ok_or("a buffer in the file has no data behind a comma")?;
+        let (about, data) = data.split_once(',').ok_or("a buffer in the file has no data after a comma")?;
         if !about.ends_with(";base64") {
             return Ok(percent_decode(data.as_bytes()).collect());
         }
         // The `=` at the end may be missing.
         let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
         let decoded = GeneralPurpose::new(&STANDARD, config).decode(data);
-        return decoded.map_err(|e| format!("a buffer in the file is no base64: {e}"));
+        return decoded.map_err(|e| format!("a buffer in the file is not base64: {e}"));
     }
     let file = beside(uri, path)?;
     let fail = |e: std::io::Error| format!("its data are in `{}`: {e}", file.display());

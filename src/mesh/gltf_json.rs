@@ -37,7 +37,7 @@ impl Document {
         let root: Value =
             serde_json::from_slice(&text[..end]).map_err(|e| format!("its JSON cannot be read: {e}"))?;
         if !root.is_object() {
-            return Err("its JSON is no glTF: it is not an object".into());
+            return Err("its JSON is not glTF: it is not an object".into());
         }
         let document = Document { root };
         document.check()?;
@@ -45,19 +45,19 @@ impl Document {
     }
 
     fn check(&self) -> Result<(), Wrong> {
-        let asset = self.root.get("asset").ok_or("its JSON is no glTF: `asset` is missing")?;
+        let asset = self.root.get("asset").ok_or("its JSON is not glTF: `asset` is missing")?;
         for name in ["version", "minVersion"] {
             // A string, but a number in old files.
             let version =
                 asset.get(name).map(|value| value.as_str().map_or(value.to_string(), str::to_string));
             if let Some(version) = version.filter(|v| v.split('.').next() != Some("2")) {
-                return Err(format!("it is of version {version} of glTF; version 2 is known here"));
+                return Err(format!("it uses glTF version {version}; pse reads version 2"));
             }
         }
         let known = |name: &str| KNOWN.iter().any(|k| name == *k || k.ends_with('_') && name.starts_with(k));
         let required = list(&self.root, "extensionsRequired").iter().filter_map(Value::as_str);
         match required.into_iter().find(|name| !known(name)) {
-            Some(name) => Err(format!("it requires the extension {name}, which is not known here")),
+            Some(name) => Err(format!("it requires the extension {name}, which pse does not read")),
             None => Ok(()),
         }
     }
@@ -106,7 +106,7 @@ pub(super) fn index(of: &Value, name: &str) -> Result<Option<usize>, Wrong> {
         None | Some(Value::Null) => Ok(None),
         Some(value) => integer(value)
             .map(Some)
-            .ok_or_else(|| format!("`{name}` is {}, which is no whole number", short(value))),
+            .ok_or_else(|| format!("`{name}` is {}, which is not a whole number", short(value))),
     }
 }
 
@@ -117,7 +117,7 @@ pub(super) fn required(of: &Value, name: &str) -> Result<usize, Wrong> {
 
 /// Indices that an object may have as a list.
 pub(super) fn indices(of: &Value, name: &str) -> Result<Vec<usize>, Wrong> {
-    let wrong = |value: &Value| format!("`{name}` has {}, which is no whole number", short(value));
+    let wrong = |value: &Value| format!("`{name}` has {}, which is not a whole number", short(value));
     list(of, name).iter().map(|value| integer(value).ok_or_else(|| wrong(value))).collect()
 }
 

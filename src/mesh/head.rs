@@ -7,7 +7,7 @@ use std::collections::HashMap;
 /// Quads along an edge of the cube that the ball is made of.
 const STEPS: i32 = 34;
 
-/// A head of some seven thousand quads, two units high, y up, that looks along z: a prototype to make individuals of.
+/// A head of about seven thousand quads, two units high, y up, that looks along z: a prototype for deformations.
 pub fn head() -> Mesh {
     let mut mesh = Mesh { surfaces: vec!["head".into()], ..Mesh::default() };
     let mut points: HashMap<[i32; 3], u32> = HashMap::new();

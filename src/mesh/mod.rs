@@ -42,7 +42,7 @@ pub use single::{decimal, shortest};
 /// A polygon mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Where the vertices are, in the units of the file.
+    /// The positions of the vertices, in the units of the file.
     pub points: Vec<[f64; 3]>,
     /// Unit normals that corners refer to; may be none.
     pub normals: Vec<[f64; 3]>,
@@ -59,11 +59,11 @@ pub struct Mesh {
 /// A corner of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Corner {
-    /// Its place in [`Mesh::points`].
+    /// The index in [`Mesh::points`].
     pub point: u32,
-    /// Its place in [`Mesh::normals`].
+    /// The index in [`Mesh::normals`].
     pub normal: Option<u32>,
-    /// Its place in [`Mesh::uvs`].
+    /// The index in [`Mesh::uvs`].
     pub uv: Option<u32>,
 }
 
@@ -72,9 +72,9 @@ pub struct Corner {
 pub struct Face {
     /// The first of its corners in [`Mesh::corners`].
     pub first: u32,
-    /// How many corners it has: three at least.
+    /// The number of corners, at least three.
     pub corners: u32,
-    /// The index in [`Mesh::surfaces`] of the surface that it belongs to.
+    /// The index of its surface in [`Mesh::surfaces`].
     pub surface: u32,
 }
 
@@ -87,7 +87,7 @@ impl Mesh {
         &self.corners[face.first as usize..][..face.corners as usize]
     }
 
-    /// The least and the greatest coordinates of the points; `None` without any.
+    /// The smallest and the largest coordinates of the points; `None` without points.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         let first = *self.points.first()?;
         Some(self.points.iter().fold([first, first], |[low, high], p| {
@@ -95,14 +95,14 @@ impl Mesh {
         }))
     }
 
-    /// Turns it so that what pointed along y points along z: from the space of glTF and OBJ to that of scenes.
+    /// Rotates the mesh from y up, as in glTF and OBJ, to z up, as in scenes.
     pub fn y_up_to_z_up(&mut self) {
         for [_, y, z] in self.points.iter_mut().chain(&mut self.normals) {
             (*y, *z) = (-*z, *y);
         }
     }
 
-    /// Turns it so that what pointed along z points along y: the way back.
+    /// Rotates the mesh from z up to y up.
     pub fn z_up_to_y_up(&mut self) {
         for [_, y, z] in self.points.iter_mut().chain(&mut self.normals) {
             (*y, *z) = (*z, -*y);
@@ -115,7 +115,7 @@ impl Mesh {
         std::array::from_fn(|i| low[i] + (high[i] - low[i]) / 2.0)
     }
 
-    /// The same, rounded to the decimal place of a hundredth of its longest side, so that few digits name it.
+    /// The middle of its bounds, rounded to the decimal place of a hundredth of its longest side.
     pub fn round_middle(&self) -> [f64; 3] {
         let side = self.longest_side();
         if side <= 0.0 {
@@ -140,9 +140,8 @@ impl Mesh {
         }
     }
 
-    /// The distance between neighbouring 32-bit numbers at its farthest coordinate, where that is a noticeable part of the
-    /// mesh's size: the step to which the 32-bit `point` of a program is rounded. `None` for a mesh that is near enough to
-    /// the origin.
+    /// The step of the 32-bit `point` at the mesh's farthest coordinate, if it is a noticeable part of the mesh's
+    /// size. `None` for a mesh near the origin.
     pub fn coarse_step(&self) -> Option<f64> {
         let [low, high] = self.bounds()?;
         let farthest = low.iter().chain(&high).fold(0.0, |most: f64, c| most.max(c.abs()));

@@ -70,7 +70,7 @@ impl Mesh {
         sums.into_iter().map(DVec3::normalize_or_zero).collect()
     }
 
-    /// Gives normals to the corners that have none: smooth ones, from all faces around the place.
+    /// Adds smooth normals to the corners without one, from all faces around the point.
     pub fn complete_normals(&mut self) {
         if self.corners.iter().all(|c| c.normal.is_some()) {
             return;

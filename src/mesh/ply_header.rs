@@ -130,7 +130,7 @@ impl Header {
             let line = String::from_utf8_lossy(&rest[..end]);
             let words: Vec<&str> = line.split_ascii_whitespace().collect();
             let wrong = |what: &str| format!("line {number} of its header: {what}");
-            let kind = |name: &str| Kind::of(name).ok_or_else(|| wrong(&format!("`{name}` is no type")));
+            let kind = |name: &str| Kind::of(name).ok_or_else(|| wrong(&format!("`{name}` is not a type")));
             match words[..] {
                 ["end_header"] => break,
                 ["format", format, ..] => {
@@ -138,7 +138,7 @@ impl Header {
                         "ascii" => Encoding::Text,
                         "binary_little_endian" => Encoding::LittleEndian,
                         "binary_big_endian" => Encoding::BigEndian,
-                        _ => return Err(wrong(&format!("`{format}` is no format"))),
+                        _ => return Err(wrong(&format!("`{format}` is not a format"))),
                     });
                 }
                 ["comment", "surface", ..] => {
@@ -146,11 +146,12 @@ impl Header {
                     surfaces.push(name.to_string());
                 }
                 ["element", name, count] => {
-                    let count = count.parse().map_err(|_| wrong(&format!("`{count}` is no count")))?;
+                    let count = count.parse().map_err(|_| wrong(&format!("`{count}` is not a count")))?;
                     elements.push(Element { name: name.into(), count, properties: Vec::new() });
                 }
                 ["property", ref words @ ..] => {
-                    let element = elements.last_mut().ok_or_else(|| wrong("a property of nothing"))?;
+                    let element =
+                        elements.last_mut().ok_or_else(|| wrong("a property without an element"))?;
                     element.properties.push(match *words {
                         ["list", count, of, name] => {
                             Property { name: name.into(), kind: kind(of)?, count: Some(kind(count)?) }
@@ -164,7 +165,7 @@ impl Header {
                 _ => {}
             }
         }
-        let encoding = encoding.ok_or("its header names no format")?;
+        let encoding = encoding.ok_or("its header has no format")?;
         Ok(Header { encoding, elements, surfaces, length: at })
     }
 }

@@ -12,24 +12,24 @@ const MAX_BYTES: u64 = 16 << 30;
 /// The most bytes of a mesh that comes from a pipe, whose end cannot be seen.
 const MAX_PIPED: u64 = 1 << 30;
 
-/// A mesh that was read.
+/// The result of reading a mesh.
 #[derive(Clone, Debug)]
 pub struct File {
-    /// The mesh, as it is in the file: not turned, nor scaled.
+    /// The mesh as in the file, neither rotated nor scaled.
     pub mesh: Mesh,
-    /// The format it was in.
+    /// The format of the file.
     pub format: Format,
-    /// What of the file was left out, each a sentence.
+    /// Notes on skipped parts of the file; each is a sentence.
     pub notes: Vec<String>,
 }
 
 /// What a reader has to work with.
 pub(super) struct Source<'a> {
-    /// Where the file is: others may lie beside it.
+    /// The path of the file, beside which other files may be.
     pub path: &'a Path,
-    /// All of it.
+    /// All bytes of the file.
     pub bytes: &'a [u8],
-    /// Is told how many of the bytes are done.
+    /// A callback for the number of processed bytes.
     pub progress: &'a dyn Fn(usize, usize),
     /// Sentences for the user.
     pub notes: Vec<String>,
@@ -38,8 +38,8 @@ pub(super) struct Source<'a> {
 /// What is wrong, without the file's name.
 pub(super) type Wrong = String;
 
-/// Reads a mesh. The format is told by the file's first bytes, or else by its name. `progress` is told now and then how
-/// many bytes of how many are done.
+/// Reads a mesh. The format is determined from the file's first bytes, otherwise from its name. `progress` is called
+/// with the number of processed bytes and the total.
 ///
 /// Text may be in UTF-8, UTF-16 or UTF-32. Indices are known to be good then, points to be finite, also as `f32`; a normal of length 0 is none.
 ///
@@ -84,10 +84,11 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
         }
         Some(Format::Obj) => Ok(Format::Obj),
         Some(_) => Ok(Format::Gltf),
-        None => {
-            Err(ImageError::new(ErrorKind::UnknownFormat, format!("`{shown}` is no mesh that is known here"))
-                .hint("Meshes are read from .obj, .ply, .glb and .gltf files."))
-        }
+        None => Err(ImageError::new(
+            ErrorKind::UnknownFormat,
+            format!("`{shown}` is not a mesh file that pse reads"),
+        )
+        .hint("Give an .obj, .ply, .glb or .gltf file.")),
     }
 }
 
@@ -96,12 +97,12 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, ImageError> {
 fn checked(mut mesh: Mesh, notes: &mut Vec<String>) -> Result<Mesh, Wrong> {
     let counts = [mesh.points.len(), mesh.corners.len(), mesh.normals.len(), mesh.uvs.len()];
     if counts.iter().any(|&n| n >= u32::MAX as usize) {
-        return Err("it is too large: 4 billion corners are the limit".into());
+        return Err("it is too large: the limit is 4 billion corners".into());
     }
     // Pictures and programs have 32-bit numbers.
     if let Some(i) = mesh.points.iter().position(|p| p.iter().any(|&c| !(c as f32).is_finite())) {
         let [x, y, z] = mesh.points[i];
-        return Err(format!("vertex {} is at [{x} {y} {z}], which is no place", i + 1));
+        return Err(format!("vertex {} is at [{x} {y} {z}], which is not a valid position", i + 1));
     }
     let counts = [mesh.points.len(), mesh.normals.len(), mesh.uvs.len()];
     let mut missing = 0;
@@ -125,7 +126,7 @@ fn checked(mut mesh: Mesh, notes: &mut Vec<String>) -> Result<Mesh, Wrong> {
     }
     if missing > 0 {
         notes.push(format!(
-            "Faces refer {missing} times to normals or uv that are not there; these were left out."
+            "Faces refer {missing} times to normals or uv that do not exist; these references were ignored."
         ));
     }
     let good = |n: &[f64; 3]| n.iter().all(|c| c.is_finite()) && n.iter().any(|&c| c != 0.0);
@@ -144,5 +145,5 @@ fn checked(mut mesh: Mesh, notes: &mut Vec<String>) -> Result<Mesh, Wrong> {
 
 /// Makes room, as far as there is any.
 pub(super) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Wrong> {
-    list.try_reserve(more).map_err(|_| "the memory does not suffice for it".into())
+    list.try_reserve(more).map_err(|_| "not enough memory for it".into())
 }

@@ -57,7 +57,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
     }
     source.notes.extend(reader.left_out.notes());
     if reader.mesh.points.is_empty() {
-        source.notes.push("There is no mesh in its scene.".into());
+        source.notes.push("Its scene contains no mesh.".into());
     }
     Ok(reader.mesh)
 }
@@ -87,7 +87,7 @@ fn pieces(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Wrong> {
     let word = |at: usize| bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
     match word(4) {
         Some(2) => {}
-        Some(version) => return Err(format!("it is of version {version} of glTF; version 2 is known here")),
+        Some(version) => return Err(format!("it uses glTF version {version}; pse reads version 2")),
         None => return Err("it ends too early".into()),
     }
     let (mut at, mut text, mut data) = (12, None, None);
@@ -150,11 +150,14 @@ impl LeftOut {
                 notes.push(text.to_string());
             }
         };
-        note(self.skins, "Skins were left out: the mesh stands as it was modelled.");
-        note(self.morphs, "Morph targets were left out.");
-        note(self.instances, "Copies of a mesh (EXT_mesh_gpu_instancing) were left out: each is there once.");
-        note(self.colours, "The colours of vertices were left out.");
-        note(self.lines > 0, &format!("{} sets of points or lines were left out.", self.lines));
+        note(self.skins, "Skins were ignored: the mesh is in its rest pose.");
+        note(self.morphs, "Morph targets were ignored.");
+        note(
+            self.instances,
+            "Copies of a mesh (EXT_mesh_gpu_instancing) were ignored: each mesh appears once.",
+        );
+        note(self.colours, "Vertex colours were ignored.");
+        note(self.lines > 0, &format!("{} sets of points or lines were skipped.", self.lines));
         notes
     }
 }
@@ -179,7 +182,7 @@ impl Reader<'_> {
                     self.left_out.lines += 1;
                     continue;
                 }
-                _ => return Err(format!("`mode` is {mode}, which stands for no kind of primitive")),
+                _ => return Err(format!("`mode` is {mode}, which is not a kind of primitive")),
             }
             let attributes = primitive.get("attributes").unwrap_or(&Value::Null);
             let [positions, normals, uvs, colours] = ["POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0"];
@@ -206,7 +209,7 @@ impl Reader<'_> {
         let plain = accessor.get("bufferView").is_some() || accessor.get("sparse").is_some();
         match extension(primitive, "KHR_draco_mesh_compression") {
             Some(_) if !plain => {
-                Err("its mesh is compressed (KHR_draco_mesh_compression), which is not known here".into())
+                Err("its mesh is compressed (KHR_draco_mesh_compression), which pse does not read".into())
             }
             _ => Ok(()),
         }
@@ -285,7 +288,7 @@ impl Reader<'_> {
             mesh.uvs.extend(uvs.iter().map(|[u, v]| [*u, 1.0 - v]));
         }
         if normals.is_some() && !lists[0] || uvs.is_some() && !lists[1] {
-            return Err("its vertices have not as many normals or uvs as positions".into());
+            return Err("its vertices have different numbers of positions, normals or uvs".into());
         }
         Ok((starts.0, lists[0].then_some(starts.1), lists[1].then_some(starts.2)))
     }

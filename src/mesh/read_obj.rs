@@ -31,7 +31,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
         })?;
         if last && reader.seems_cut(&line, shape) {
             source.notes.push(format!(
-                "The file ends within line {number}, which is unlike those before it: it may have been cut off."
+                "The file ends within line {number}, which differs from the lines before it: the file may be cut off."
             ));
         }
         if number.is_multiple_of(1 << 16) {
@@ -44,18 +44,18 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
         ("statements that call other files", reader.calls),
     ] {
         if count > 0 {
-            source.notes.push(format!("{count} {what} were left out: only faces are read."));
+            source.notes.push(format!("{count} {what} were skipped: only faces are read."));
         }
     }
     if reader.colours {
-        source.notes.push("The colours of vertices were left out.".into());
+        source.notes.push("Vertex colours were ignored.".into());
     }
     if reader.small > 0 {
-        source.notes.push(format!("{} faces with fewer than three corners were left out.", reader.small));
+        source.notes.push(format!("{} faces with fewer than three corners were skipped.", reader.small));
     }
     protect(source.path, &reader.libraries);
     if reader.mesh.points.is_empty() {
-        return Err("there is no vertex in it (no line that begins with v)".into());
+        return Err("it has no vertices (no line starts with v)".into());
     }
     Ok(reader.finish())
 }
@@ -247,11 +247,11 @@ fn numbers<const N: usize>(word: &str, rest: &str, least: usize) -> Result<[f64;
 
 /// An index, counted from 1 or, if negative, back from the last one so far. Whether it is too large is known at the end.
 fn index(text: &str, count: usize) -> Result<u32, &'static str> {
-    let number: i64 = text.parse().map_err(|_| "is no number")?;
+    let number: i64 = text.parse().map_err(|_| "is not a number")?;
     let index = match number {
-        0 => return Err("is no index: they begin at 1"),
+        0 => return Err("is not an index: they start at 1"),
         1.. => number - 1,
         _ => count as i64 + number,
     };
-    u32::try_from(index).map_err(|_| "is not there")
+    u32::try_from(index).map_err(|_| "does not exist")
 }

@@ -64,19 +64,19 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<Mesh, Wrong> {
             Some(name) => {
                 format!("its vertices have no `{name}`: the header lacks the line `property float {name}`")
             }
-            None => "there is no vertex in it".into(),
+            None => "it has no vertices".into(),
         });
     }
     if let (count, Some(first)) = longer {
         source.notes.push(format!(
-            "{count} lines have more numbers than the header says, which were left out; the first is {first}."
+            "{count} lines have more numbers than the header declares; these were ignored. The first is {first}."
         ));
     }
     if builder.small > 0 {
-        source.notes.push(format!("{} faces with fewer than three corners were left out.", builder.small));
+        source.notes.push(format!("{} faces with fewer than three corners were skipped.", builder.small));
     }
     if header.elements.iter().any(|e| e.name == "vertex" && e.place("red", false).is_some()) {
-        source.notes.push("The colours of vertices were left out.".into());
+        source.notes.push("Vertex colours were ignored.".into());
     }
     Ok(builder.finish())
 }
@@ -166,7 +166,7 @@ impl Data<'_> {
             let text = self.rest.trim_ascii_start();
             let blank = &self.rest[..self.rest.len() - text.len()];
             if self.rows == Rows::Lines && !text.is_empty() && blank.iter().any(|b| b"\r\n".contains(b)) {
-                return Err("its line has fewer numbers than the header says".into());
+                return Err("its line has fewer numbers than the header declares".into());
             }
             let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
             let (word, rest) = text.split_at(end);
@@ -177,7 +177,7 @@ impl Data<'_> {
             let number = str::from_utf8(word).ok().and_then(number);
             return number.ok_or_else(|| match str::from_utf8(word) {
                 Ok(word) => no_number(word),
-                Err(_) => format!("`{}` is no number", word.escape_ascii()),
+                Err(_) => format!("`{}` is not a number", word.escape_ascii()),
             });
         }
         let (bytes, rest) = self.rest.split_at_checked(kind.size()).ok_or("the file ends here")?;

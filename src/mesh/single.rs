@@ -2,8 +2,8 @@
 
 use super::Mesh;
 
-/// The double of the shortest decimal number that reads as `x`: 1.1 for the single nearest to 1.1. Written as text it has a
-/// single's few digits, and as a single it is `x` again.
+/// The double nearest to the shortest decimal number that reads as `x`: 1.1 for the single nearest to 1.1. It has few
+/// digits as text, and converts back to `x`.
 pub fn decimal(x: f32) -> f64 {
     const POWERS: [f64; 23] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
@@ -34,7 +34,7 @@ fn single(x: f64) -> Option<f32> {
     (f64::from(nearest) == x || decimal(nearest) == x).then_some(nearest)
 }
 
-/// A number in its shortest form: as a single if it stands for one, else as a double.
+/// Formats a number in its shortest form: as a single if it equals one, otherwise as a double.
 pub fn shortest(x: f64) -> String {
     single(x).map_or_else(|| x.to_string(), |x| x.to_string())
 }

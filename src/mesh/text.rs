@@ -73,10 +73,10 @@ pub(super) fn no_number(word: &str) -> String {
     let with_point = word.replace(',', ".");
     match with_point != word && number(&with_point).is_some() {
         true => format!(
-            "`{}` has a comma where numbers have a point: {with_point}. Save the file with decimal points",
+            "`{}` has a decimal comma instead of a point: {with_point}. Save the file with decimal points",
             word.escape_debug()
         ),
-        false => format!("`{}` is no number", word.escape_debug()),
+        false => format!("`{}` is not a number", word.escape_debug()),
     }
 }
 

@@ -19,11 +19,11 @@ pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, Cow<'static, str>> {
     let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); mesh.surfaces.len().max(1)];
     let mut cutter = Cutter::new();
     for face in &mesh.faces {
-        let list = triangles.get_mut(face.surface as usize).ok_or("a face is of no surface")?;
+        let list = triangles.get_mut(face.surface as usize).ok_or("a face has no surface")?;
         let add = |t: [u32; 3]| list.extend(t.map(|i| of_corner[(face.first + i) as usize]));
         cutter.cut(mesh, face, add).map_err(|Crossing { corners }| {
             format!(
-                "a face of {corners} corners crosses itself, and no such face of more than {MAX_EARS} corners is cut into triangles"
+                "a face of {corners} corners crosses itself; such a face can have at most {MAX_EARS} corners"
             )
         })?;
     }
@@ -92,7 +92,7 @@ pub(super) fn encode(mesh: &Mesh) -> Result<Vec<u8>, Cow<'static, str>> {
     text.resize(text.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + text.len() + 8 + data.bytes.len();
     let size = |n: usize| {
-        u32::try_from(n).map(u32::to_le_bytes).map_err(|_| "a .glb file holds 4 gigabytes at most")
+        u32::try_from(n).map(u32::to_le_bytes).map_err(|_| "a .glb file holds at most 4 gigabytes")
     };
     let mut file = Vec::with_capacity(total);
     file.extend(*b"glTF");

@@ -34,7 +34,7 @@ impl Program {
             let Some([column, _]) = diagnostic.pixel.take() else { continue };
             let Some(point) = asked.variable("point") else { continue };
             let at: Vec<String> = point.planes.iter().map(|p| p[column as usize].to_string()).collect();
-            diagnostic.hints.push(format!("It happens at the point [{}].", at.join(" ")));
+            diagnostic.hints.push(format!("This happens at the point [{}].", at.join(" ")));
         }
         error
     }

@@ -357,14 +357,14 @@ impl Resolver<'_> {
                 Some(choice) => {
                     return Some(Expr { kind: ExprKind::Number(choice as f32), span: value.span });
                 }
-                None => (error(format!("`{name}()` knows no {} \"{text}\"", param.name)), text.as_str()),
+                None => (error(format!("`{name}()` has no {} \"{text}\"", param.name)), text.as_str()),
             },
             (ast::ExprKind::Name(text), Some(_)) => {
                 (error(format!("`{name}()` takes a string for `{}`", param.name)), text.as_str())
             }
             (_, Some(_)) => (error(format!("`{name}()` takes a string for `{}`", param.name)), ""),
             (_, None) => {
-                let error = error(format!("`{name}()` takes no string for `{}`", param.name));
+                let error = error(format!("`{name}()` does not take a string for `{}`", param.name));
                 // A compositor's matte is that of an object; the function of that name is a surface without gloss.
                 let object = vocabulary::function("cryptomatte").filter(|_| name == "matte");
                 let error = object.into_iter().fold(error, Diagnostic::hint);
@@ -384,7 +384,7 @@ impl Resolver<'_> {
             None => error,
         };
         let list: Vec<String> = of.iter().map(|c| format!("\"{c}\"")).collect();
-        self.errors.push(error.hint(format!("It knows {}.", list.join(", "))));
+        self.errors.push(error.hint(format!("Use one of {}.", list.join(", "))));
         None
     }
 

@@ -46,13 +46,13 @@ impl Entrance {
             return;
         };
         if least > given {
-            let message = format!("`{}()` is asked as `{}`", self.function, self.written(given));
+            let message = format!("`{}()` is called as `{}`", self.function, self.written(given));
             let error = Diagnostic::error("call", message, span).label(span, format!("it takes {least}"));
-            errors.push(error.hint("Give a default to whatever else it takes."));
+            errors.push(error.hint("Give its other parameters default values."));
             return;
         }
         let text = format!("{} = {}", self.function, self.written(given.min(most)));
-        let id = sources.add("<what is asked>", text.as_str());
+        let id = sources.add("<call>", text.as_str());
         files.body.extend(syntax::parse(id, &text).module.body);
     }
 }
@@ -81,8 +81,8 @@ pub(super) fn prune(program: &mut Resolved, entry: &Entrance, seen: &[Seen]) -> 
     program.derivatives = false;
     program.shadowed = Vec::new();
     derives.then(|| {
-        let message = format!("`{}()` looks at neighbouring pixels", entry.function);
-        let hint = "It is asked at points that have none: leave out derivatives, and give look-ups in images a width.";
+        let message = format!("`{}()` uses neighbouring pixels", entry.function);
+        let hint = "It is evaluated at points without neighbours. Remove the derivatives, and give image look-ups a `width`.";
         Diagnostic::bare("derivative", message).hint(hint)
     })
 }

@@ -51,21 +51,21 @@ impl Resolver<'_> {
                 Diagnostic::error("name", format!("there is no frame variable `{name}`"), span),
                 Diagnostic::hint,
             ),
-            _ => Diagnostic::error("frame", format!("`{name}` has no value before the pixels"), span)
+            _ => Diagnostic::error("frame", format!("`{name}` has no value before the pixels run run"), span)
                 .label(span, "runs once a frame, before any pixel")
                 .hint(if param {
                     format!(
-                        "A param has one value for the whole frame, and `{name}` has another one at each pixel. Use \
-                         an assignment instead of `param`."
+                        "A param has one value for the whole frame, and `{name}` differs from pixel to pixel. Use an \
+                         assignment instead of `param`."
                     )
                 } else {
                     format!(
-                        "`{name}` has a value at each pixel. Move what needs it out of the block of `if begin_frame`."
+                        "`{name}` differs from pixel to pixel. Move the lines that read it out of the block of `if begin_frame`."
                     )
                 }),
         };
         if matches!(name, "pixelsize" | "pixel_freq") && !self.sources.text(span).contains(name) {
-            error = error.hint("A default of the function asks for it: give that argument, as in `turbulence(p, high = 64)`.");
+            error = error.hint("A default value of the function reads it. Give that argument, as in `turbulence(p, high = 64)`.");
         }
         if let Some(read) = read {
             error = error.label(read, format!("`{name}` is read here"));
@@ -88,9 +88,9 @@ impl Resolver<'_> {
         let kind = match &*e.kind {
             Written::Number(x) => ExprKind::Number(*x),
             Written::Text(text) => {
-                let message = format!("the string \"{text}\" stands where a value is expected");
+                let message = format!("a value is expected here, and the string \"{text}\" was found");
                 let error = Diagnostic::error("string", message, e.span).hint(
-                    "Values are numbers and vectors. A string only names something for a function, as in \
+                    "Values are numbers and vectors. Use a string only as a function's argument that takes a name, as in \
                      `Noise(p, kind = \"gradient\")`.",
                 );
                 self.errors.push(error);
@@ -118,7 +118,7 @@ impl Resolver<'_> {
                 ExprKind::Vector(elements)
             }
             Written::Range(..) => {
-                let error = Diagnostic::error("place", "a range stands outside of [ ]", e.span)
+                let error = Diagnostic::error("place", "a range is only allowed inside [ ]", e.span)
                     .hint("Put it in brackets: `[1 .. 10]`.");
                 self.errors.push(error);
                 ExprKind::Number(0.0)

@@ -68,7 +68,7 @@ struct Gatherer<'a> {
 impl Gatherer<'_> {
     fn import(&mut self, importing: &str, path: &str, span: Span, depth: usize) -> Option<SourceId> {
         if depth > DEPTH {
-            let message = format!("imports lead through more than {DEPTH} files");
+            let message = format!("imports are nested more than {DEPTH} files deep");
             self.errors.push(Diagnostic::error("import", message, span));
             return None;
         }

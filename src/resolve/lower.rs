@@ -376,10 +376,10 @@ impl<'a> Resolver<'a> {
             Written::Break | Written::Continue if scope.loops == 0 => {
                 let (what, does) = match stmt.kind {
                     Written::Break => ("break", "leaves"),
-                    _ => ("continue", "goes on with the next round of"),
+                    _ => ("continue", "continues with the next iteration of"),
                 };
-                let error = misplaced(&format!("`{what}` stands outside of a loop"))
-                    .hint(format!("It {does} the `while` or `for` in whose block it stands."));
+                let error = misplaced(&format!("`{what}` is outside of a loop"))
+                    .hint(format!("It {does} the enclosing `while` or `for`. Put it inside a loop."));
                 self.errors.push(error);
                 return None;
             }
@@ -388,8 +388,8 @@ impl<'a> Resolver<'a> {
             Written::Return(value) => {
                 let value = self.expr(value, scope);
                 if scope.locals.is_none() {
-                    let error = misplaced("`return` stands outside of a function")
-                        .hint("Outside of functions, assign to `color` what the pixel should show.");
+                    let error = misplaced("`return` is outside of a function")
+                        .hint("Outside of functions, assign the result to `color`.");
                     self.errors.push(error);
                     return None;
                 }
@@ -397,7 +397,7 @@ impl<'a> Resolver<'a> {
             }
             Written::Function(f) => {
                 if nested {
-                    let error = misplaced("a function is defined inside of a block").hint(format!(
+                    let error = misplaced("a function is defined inside a block").hint(format!(
                         "Move `{}()` to the left margin, before or after the lines that call it.",
                         f.name.text
                     ));
@@ -407,7 +407,7 @@ impl<'a> Resolver<'a> {
             }
             Written::Param { name, .. } => {
                 if nested {
-                    let error = misplaced("a param is declared inside of a block")
+                    let error = misplaced("a param is declared inside a block")
                         .hint(format!("Move the declaration of `{}` to the left margin.", name.text));
                     self.errors.push(error);
                     // That is said, so nobody needs to hear that the name has no value.
@@ -417,8 +417,7 @@ impl<'a> Resolver<'a> {
                 return None;
             }
             Written::Import(..) => {
-                self.errors
-                    .push(misplaced("`import` stands inside of a block").hint("Move it to the left margin."));
+                self.errors.push(misplaced("`import` is inside a block").hint("Move it to the left margin."));
                 return None;
             }
         };

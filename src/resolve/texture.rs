@@ -47,14 +47,14 @@ impl Resolver<'_> {
         let channel = channel.filter(|(text, _)| !text.is_empty()).cloned();
         if asked.layout == Layout::Cube && asked.filter == Filter::Sums {
             let error = Diagnostic::error("texture", "a cube has no summed-area table", span);
-            self.errors.push(error.hint("`filter = \"mip\"` is what is left for it."));
+            self.errors.push(error.hint("Use `filter = \"mip\"`."));
             return None;
         }
         let width = builtin.params.iter().position(|p| p.name == "width");
         if let Some(width) = width.filter(|&i| asked.width.is_none() && !is_empty(&args[i])) {
-            let error = Diagnostic::error("texture", "this filter knows no width", args[width].span);
-            self.errors
-                .push(error.hint("`filter = \"mip\"` and `filter = \"sat\"` take the mean over a width."));
+            let error =
+                Diagnostic::error("texture", "`width` has no effect with this filter", args[width].span);
+            self.errors.push(error.hint("Remove it, or use `filter = \"mip\"` or `filter = \"sat\"`."));
             return None;
         }
         let program = self.sources.get(span.source).name.clone();

@@ -109,7 +109,7 @@ pub enum Place {
 pub struct Stmt {
     /// What it does.
     pub kind: StmtKind,
-    /// Where.
+    /// The place.
     pub span: Span,
 }
 
@@ -200,7 +200,7 @@ pub enum Step {
 pub struct Expr {
     /// What it is.
     pub kind: ExprKind,
-    /// Where.
+    /// The place.
     pub span: Span,
 }
 

@@ -45,8 +45,8 @@ pub fn usual(program: &Resolved, name: &str, span: Span) -> Option<Diagnostic> {
         return Some(error.hint(format!("Did you mean `{near}`?")));
     }
     // An image may well have a `flame`, however much it looks like `frame`.
-    let warning = Diagnostic::error("name", format!("nothing in the program assigns `{name}`"), span)
-        .hint("It runs on images that have a variable of that name.")
+    let warning = Diagnostic::error("name", format!("the program does not assign `{name}`"), span)
+        .hint("It needs an input image with this variable.")
         .warning();
     let fixed = names::CONSTANTS.iter().map(|c| c.name).chain(names::SYSTEM.iter().map(|s| s.0));
     Some(match foreign {
@@ -67,7 +67,7 @@ pub fn about_includes(text: &str, error: Diagnostic) -> Diagnostic {
     let file = line.trim().trim_start_matches(['"', '<']);
     let file = file.split(['"', '>']).next().unwrap_or(file);
     error.hint(format!(
-        "`#include` begins a comment here. Another file's functions come by `import \"{file}\"`."
+        "`#include` starts a comment here. To use another file's functions, write `import \"{file}\"`."
     ))
 }
 
@@ -75,9 +75,9 @@ pub fn about_includes(text: &str, error: Diagnostic) -> Diagnostic {
 pub fn no_variable(name: &str, span: Span, gap: bool) -> Diagnostic {
     let error = Diagnostic::error("name", format!("`{name}` is a function, not a variable"), span);
     error.hint(if gap {
-        format!("Inside `[ ]` a blank separates elements. Close the gap between `{name}` and its `(`.")
+        format!("Inside `[ ]` a space separates elements. Remove the space between `{name}` and its `(`.")
     } else {
-        format!("To call it, put its arguments in brackets right behind the name: `{name}(…)`.")
+        format!("To call it, put its arguments in brackets directly after the name: `{name}(…)`.")
     })
 }
 
@@ -100,8 +100,8 @@ pub fn component_meant(member: &str) -> Option<&'static str> {
 /// The error of a member that names no component of the vector `base`.
 pub fn no_component(base: &str, member: &str, span: Span) -> Diagnostic {
     if matches!(base, "depth" | "surface" | "alpha") && component_meant(member).is_some() {
-        return Diagnostic::error("name", format!("`{base}` is one number, without components"), span)
-            .hint(format!("Leave `.{member}` out: `{base}`."));
+        return Diagnostic::error("name", format!("`{base}` is a number and has no components"), span)
+            .hint(format!("Remove `.{member}`: `{base}`."));
     }
     let error = Diagnostic::error("name", format!("a vector has no component called `{member}`"), span);
     let error = match component_meant(member) {
@@ -129,6 +129,6 @@ pub(super) fn no_swizzle(base: &ast::Expr, member: &ast::Name) -> Diagnostic {
         ast::ExprKind::Name(name) => name,
         _ => "v",
     };
-    Diagnostic::error("name", format!("`.{}` asks for several components at once", member.text), member.span)
+    Diagnostic::error("name", format!("`.{}` names several components", member.text), member.span)
         .hint(format!("Pick them by their numbers: `{v}[[{indices}]]`."))
 }

@@ -27,8 +27,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `eye` that has `look_at` in the middle of a picture of `size` columns and rows. `fov` is the vertical
-    /// angle in degrees; without it, the picture just contains a `frame` of that width and height on the plane at
+    /// Creates a camera at `eye` with `look_at` in the centre of a picture of `size` columns and rows. `fov` is the
+    /// vertical angle in degrees; without it, the picture contains a `frame` of this width and height on the plane at
     /// distance 1.
     pub fn new(
         eye: DVec3,
@@ -146,7 +146,7 @@ mod tests {
         let say = |result: Result<Camera, SceneError>| result.expect_err("an error").to_string();
         assert_eq!(
             say(camera([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], 40.0)),
-            "the eye looks at the point where it is, 1,2,3; move the eye away from the point it looks at"
+            "the eye and the point that it looks at are the same, 1,2,3; move the eye away from the point it looks at"
         );
         assert!(
             say(camera([f64::NAN, 0.0, 0.0], [0.0; 3], 40.0))

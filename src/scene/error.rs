@@ -3,10 +3,10 @@
 use crate::diagnostic::Diagnostic;
 use std::fmt;
 
-/// Why a scene cannot be rendered. Its text says what is wrong and then what to do.
+/// An error of a scene or view. The text gives the fact and the remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
-    /// No scene has that name.
+    /// No scene has this name.
     UnknownScene {
         /// As asked for.
         name: String,
@@ -15,21 +15,21 @@ pub enum SceneError {
         /// All names.
         names: Vec<&'static str>,
     },
-    /// No columns, no rows, or more pixels than can be held.
+    /// No columns, no rows, or too many pixels.
     BadSize {
         /// Columns.
         width: usize,
         /// Rows.
         height: usize,
     },
-    /// The planes of a picture of that size do not fit into memory.
+    /// The planes of a picture of this size do not fit into memory.
     OutOfMemory {
         /// Columns.
         width: usize,
         /// Rows.
         height: usize,
     },
-    /// A camera's point that is not finite or too far away.
+    /// A point of the camera is not finite or too far away.
     BadPoint {
         /// `eye` or `look_at`.
         what: &'static str,
@@ -38,14 +38,14 @@ pub enum SceneError {
         /// The largest coordinate allowed.
         limit: f64,
     },
-    /// The eye is the very point that it looks at.
+    /// The eye and the point that it looks at are the same.
     NoDirection {
         /// That point.
         point: [f64; 3],
     },
     /// The angle is not between 0 and 180 degrees.
     BadFov(f64),
-    /// The scale is not a positive number of a usable size.
+    /// The scale is out of range.
     BadScale(f64),
     /// The eye is inside a solid, in the plane of a sheet, or under water.
     EyeInside {
@@ -54,9 +54,9 @@ pub enum SceneError {
         /// The scene's default eye, at the scale asked for.
         instead: [f64; 3],
     },
-    /// A mesh without faces.
+    /// The mesh has no faces.
     NoFaces,
-    /// A mesh of more triangles than 32 bits can number.
+    /// The mesh has more triangles than 32 bits can number.
     TooManyTriangles,
     /// A face of very many corners whose outline crosses itself.
     CrossingFace {
@@ -65,9 +65,9 @@ pub enum SceneError {
         /// How many corners it has.
         corners: u32,
     },
-    /// The scene needs the origin before the eye.
+    /// The origin must be in front of the eye for this scene.
     OriginBehind,
-    /// A text that should be a size or a point.
+    /// A text is not a size or a point.
     BadText {
         /// The text.
         text: String,
@@ -77,7 +77,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// What is wrong, one sentence without a full stop.
+    /// The fact, one sentence without a full stop.
     pub fn message(&self) -> String {
         use SceneError::*;
         match self {
@@ -87,28 +87,32 @@ impl SceneError {
             }
             BadSize { width, height } => format!("a picture of {width}x{height} is too large"),
             OutOfMemory { width, height } => {
-                format!("the memory does not suffice for a picture of {width}x{height}")
+                format!("not enough memory for a picture of {width}x{height}")
             }
             BadPoint { what, point, .. } if point.iter().any(|c| !c.is_finite()) => {
                 format!("{what} {} is not a finite point", Point(*point))
             }
             BadPoint { what, point, .. } => format!("{what} {} is too far away", Point(*point)),
-            NoDirection { point } => format!("the eye looks at the point where it is, {}", Point(*point)),
+            NoDirection { point } => {
+                format!("the eye and the point that it looks at are the same, {}", Point(*point))
+            }
             BadFov(fov) => format!("a field of view of {fov} degrees shows nothing"),
             BadScale(scale) => format!("a scene cannot be scaled by {scale}"),
             EyeInside { what, .. } => format!("the eye is in the {what}"),
-            NoFaces => "the mesh has no faces with an area, so there is nothing to be seen".into(),
+            NoFaces => "the mesh has no faces with an area, so nothing is visible".into(),
             TooManyTriangles => "the mesh has more than 4 billion triangles".into(),
             CrossingFace { face, corners } => {
                 format!("the outline of face {face}, of {corners} corners, crosses itself")
             }
-            OriginBehind => "the scene's card goes through the origin, which is not before the eye".into(),
-            BadText { text, .. } if text.trim().is_empty() => "there is nothing to read".into(),
+            OriginBehind => {
+                "the scene's card goes through the origin, which is not in front of the eye".into()
+            }
+            BadText { text, .. } if text.trim().is_empty() => "the text is empty".into(),
             BadText { text, .. } => format!("`{text}` cannot be read"),
         }
     }
 
-    /// What to do about it, without a full stop.
+    /// The remedy, without a full stop.
     pub fn hint(&self) -> String {
         use SceneError::*;
         match self {
@@ -124,10 +128,10 @@ impl SceneError {
             BadFov(_) => "give an angle between 0 and 180 degrees, for example 40".into(),
             BadScale(_) => "give a number from 0.001 to 1000".into(),
             EyeInside { instead, .. } => format!("move it out, for example to {}", Point(*instead)),
-            NoFaces => "give a mesh with polygons; points and lines alone are not shown".into(),
+            NoFaces => "give a mesh with polygons; points and lines are not shown".into(),
             TooManyTriangles => "give a coarser mesh".into(),
             CrossingFace { .. } => format!(
-                "cut the face into smaller ones; one that crosses itself may have {} corners",
+                "split the face; a face that crosses itself can have at most {} corners",
                 crate::mesh::MAX_EARS
             ),
             OriginBehind => "look towards 0,0,0, or step back from it".into(),
@@ -161,7 +165,7 @@ impl SceneError {
         self
     }
 
-    /// The same as the error type of the language.
+    /// Converts the error to a diagnostic.
     pub fn diagnostic(&self) -> Diagnostic {
         Diagnostic::bare("scene", self.message()).hint(self.hint())
     }

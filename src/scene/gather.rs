@@ -40,12 +40,12 @@ const EXITS: [(&str, u32); 3] = [("exit_point", 3), ("exit_normal", 3), ("exit_u
 const CELLS: usize = 19;
 const EXIT_CELLS: usize = 8;
 
-/// Renders the scene of that name; see the module's conventions for what the image holds.
+/// Renders the scene with this name; see the module's conventions for the variables.
 pub fn render(name: &str, options: &Options) -> Result<Image<'static>, SceneError> {
     Renderer::new(name, options)?.rows(0..options.height)
 }
 
-/// A view of a scene, to be rendered a few rows at a time.
+/// A view of a scene, rendered a few rows at a time.
 pub struct Renderer {
     view: View,
     size: [usize; 2],
@@ -53,14 +53,14 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// The scene of that name. Nothing is rendered yet.
+    /// Creates a view of the scene with this name, without rendering it.
     pub fn new(name: &str, options: &Options) -> Result<Renderer, SceneError> {
         let scene = scenes::find(name)?;
         let size = size(options)?;
         Ok(Renderer { view: View::new(scene, options)?, size, exits: scene.exits })
     }
 
-    /// A mesh, whose z points up. Nothing is rendered yet.
+    /// Creates a view of a mesh with z up, without rendering it.
     ///
     /// # Errors
     /// If the options are no view.
@@ -69,7 +69,7 @@ impl Renderer {
         Ok(Renderer { view: View::of_model(model, options)?, size, exits: false })
     }
 
-    /// The names of a mesh's surfaces, the first of which is number 1; none of a scene's.
+    /// The names of a mesh's surfaces, from number 1; empty for a scene.
     pub fn surfaces(&self) -> &[String] {
         match &self.view.seen {
             Seen::Model(model) => model.surfaces(),
@@ -91,7 +91,7 @@ impl Renderer {
         VARIABLES.iter().chain(EXITS.iter().filter(|_| self.exits))
     }
 
-    /// Renders some rows, as an image whose origin is theirs.
+    /// Renders some rows, as an image with their origin.
     ///
     /// # Errors
     /// If memory does not suffice.
@@ -99,7 +99,7 @@ impl Renderer {
         self.rows_at(rows, |_| [0.0; 2])
     }
 
-    /// The like, seen as far beside the middle of each pixel, `[column row]`, as `offset` says: columns to the right, rows
+    /// Renders some rows with an offset from the centre of each pixel, `[column row]`: columns to the right, rows
     /// down.
     ///
     /// # Errors
@@ -211,7 +211,8 @@ impl View {
         Ok(View { camera, origin: DVec3::ZERO, seen: Seen::Surfaces(world), scale, exit })
     }
 
-    /// A mesh. By default it is seen from before it, a little from the right and from above, and just fits.
+    /// Creates a view of a mesh. By default it is seen from the front, a little from the right and above, and fills
+    /// the picture.
     pub fn of_model(model: &Arc<Model>, options: &Options) -> Result<View, SceneError> {
         let scale = scale(options)?;
         let (origin, center, radius) = (model.origin(), model.center(), model.radius());

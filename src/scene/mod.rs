@@ -46,22 +46,22 @@ pub use model::Model;
 pub use parse::{parse_point, parse_size};
 pub use scenes::{SceneInfo, find, scenes};
 
-/// How to picture a scene. What is `None` takes the scene's own default.
+/// Options for rendering a scene. `None` means the scene's default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Columns.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Where the eye is, in world units.
+    /// The position of the eye, in world units.
     pub eye: Option<[f64; 3]>,
-    /// The point that appears in the middle of the picture, in world units.
+    /// The point at the centre of the picture, in world units.
     pub look_at: Option<[f64; 3]>,
-    /// The vertical angle that the picture spans, in degrees, between 0 and 180. By default the scene's frame just
-    /// fits, whatever the proportions of the picture.
+    /// The vertical field of view in degrees, between 0 and 180. By default the picture contains the scene's frame,
+    /// whatever its proportions.
     pub fov: Option<f64>,
-    /// Makes the whole scene larger in the space of `point`, default camera included: the outlines stay, and a space
-    /// function such as `Noise(point)` shows finer detail. An eye or look-at point given is in the scaled space.
+    /// Scales the whole scene in the space of `point`, including the default camera: the outlines stay, and
+    /// `Noise(point)` shows finer detail. `eye` and `look_at` are in the scaled space.
     pub scale: f64,
 }
 

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 /// nothing, and keep the bits that they always had.)
 const NEAR: f64 = 8.0;
 
-/// A mesh with all that rays need: normals, triangles, a tree of boxes. It serves any number of views.
+/// A mesh prepared for ray casting: normals, triangles, a tree of boxes. It can be used for any number of views.
 pub struct Model {
     mesh: Mesh,
     triangles: Vec<Triangle>,
@@ -36,7 +36,7 @@ struct Triangle {
 }
 
 impl Model {
-    /// Makes ready a mesh whose z points up. Missing normals are made, smooth ones.
+    /// Prepares a mesh with z up. Missing normals are computed as smooth ones.
     ///
     /// # Errors
     /// If it has no faces, or more triangles than can be numbered.
@@ -84,12 +84,12 @@ impl Model {
         Ok(Model { mesh, triangles, tree, origin, center, radius })
     }
 
-    /// The names of its surfaces, the first of which is number 1.
+    /// The names of its surfaces, from number 1.
     pub fn surfaces(&self) -> &[String] {
         &self.mesh.surfaces
     }
 
-    /// How many triangles it has.
+    /// The number of triangles.
     pub fn triangles(&self) -> usize {
         self.triangles.len()
     }

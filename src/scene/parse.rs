@@ -2,7 +2,7 @@
 
 use super::SceneError;
 
-/// Reads `640x480` as columns and rows. Whether they make a usable picture is for [`super::render`] to say.
+/// Parses `640x480` as columns and rows. [`super::render`] checks the size.
 pub fn parse_size(text: &str) -> Result<[usize; 2], SceneError> {
     let error =
         || SceneError::BadText { text: text.into(), expected: "columns, an x and rows, for example 640x480" };
@@ -11,7 +11,7 @@ pub fn parse_size(text: &str) -> Result<[usize; 2], SceneError> {
     Ok([number(width)?, number(height)?])
 }
 
-/// Reads `1,2,3`, or the same with blanks, as a point of finite coordinates.
+/// Parses `1,2,3`, also with spaces, as a point with finite coordinates.
 pub fn parse_point(text: &str) -> Result<[f64; 3], SceneError> {
     let error = || SceneError::BadText {
         text: text.into(),

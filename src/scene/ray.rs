@@ -26,7 +26,7 @@ impl Ray {
 pub(super) struct Hit {
     /// How far along the ray.
     pub distance: f64,
-    /// Where.
+    /// The place.
     pub point: DVec3,
     /// The unit normal, out of the solid.
     pub normal: DVec3,

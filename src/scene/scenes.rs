@@ -12,22 +12,22 @@ use super::torus::Torus;
 use super::vase::vase;
 use glam::DVec3;
 
-/// A scene, as it may be listed.
+/// The description of a scene.
 #[derive(Debug)]
 pub struct SceneInfo {
-    /// What [`super::render`] knows it by.
+    /// The name for [`super::render`].
     pub name: &'static str,
-    /// What is to be seen, in one line.
+    /// A description, in one line.
     pub brief: &'static str,
-    /// What `surface` numbers: the first is 1. A noun each.
+    /// The names of the surfaces, from number 1; each is a noun.
     pub surfaces: &'static [&'static str],
     /// The default eye, in unscaled world units.
     pub eye: [f64; 3],
-    /// The point in the middle of the picture by default, in unscaled world units.
+    /// The default point at the centre of the picture, in unscaled world units.
     pub look_at: [f64; 3],
-    /// Width and height, in unscaled world units at the distance of `look_at`, of what a picture shows at least.
+    /// The minimum width and height of the view, in unscaled world units at the distance of `look_at`.
     pub frame: [f64; 2],
-    /// Has it the far side too: `exit_point`, `exit_normal`, `exit_uv`?
+    /// Whether it has the variables of the far side: `exit_point`, `exit_normal`, `exit_uv`.
     pub exits: bool,
     build: fn(&Camera) -> Result<World, SceneError>,
 }
@@ -42,12 +42,12 @@ impl SceneInfo {
     }
 }
 
-/// All scenes there are.
+/// All scenes.
 pub fn scenes() -> &'static [SceneInfo] {
     SCENES
 }
 
-/// The scene of that name, or an error with the most similar name.
+/// Finds the scene with this name; the error has the closest name.
 pub fn find(name: &str) -> Result<&'static SceneInfo, SceneError> {
     SCENES.iter().find(|s| s.name == name).ok_or_else(|| SceneError::UnknownScene {
         name: name.into(),

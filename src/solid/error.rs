@@ -5,14 +5,14 @@ use crate::program::Error;
 use crate::scene::SceneError;
 use std::fmt;
 
-/// Why a solid cannot be seen.
+/// An error of a solid or its view.
 #[derive(Clone, Debug)]
 pub enum SolidError {
-    /// The program is wrong, or went wrong at a point; or the run was cancelled.
+    /// The program has errors, failed at a point, or was cancelled.
     Program(Box<Error>),
-    /// There is no such view.
+    /// The view is invalid.
     View(Box<SceneError>),
-    /// The solid is wrong: its box, its density, its size.
+    /// The solid is invalid: its box, its density or its size.
     Solid(Box<Diagnostic>),
 }
 

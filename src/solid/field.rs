@@ -20,7 +20,7 @@ pub(super) struct Field<'o> {
     emission: Option<Program>,
     options: RunOptions<'o>,
     level: f64,
-    /// How often the density was asked.
+    /// The number of evaluations of the density.
     asked: AtomicU64,
 }
 
@@ -44,22 +44,22 @@ impl<'o> Field<'o> {
         Ok(Field { density, gradient, emission, options: options.clone(), level, asked })
     }
 
-    /// The program, as it is asked for the density.
+    /// The compiled program for the density.
     pub fn program(&self) -> &Program {
         &self.density
     }
 
-    /// Is the gradient a function of the program?
+    /// Whether the program has a function `gradient`.
     pub fn has_gradient(&self) -> bool {
         self.gradient.is_some()
     }
 
-    /// Does the program tell colours of what is soft?
+    /// Whether the program has a function `emission`.
     pub fn has_emission(&self) -> bool {
         self.emission.is_some()
     }
 
-    /// How often the density was asked.
+    /// The number of evaluations of the density.
     pub fn asked(&self) -> u64 {
         self.asked.load(Ordering::Relaxed)
     }
@@ -73,11 +73,14 @@ impl<'o> Field<'o> {
             let planes = self.ask(&self.density, "density", points, spacing)?;
             let [plane] = &planes[..] else {
                 let message = format!("`density(point)` gives a vector of {}", planes.len());
-                return Err(SolidError::new(message, "It gives a number: more than the level inside."));
+                return Err(SolidError::new(
+                    message,
+                    "Return one number: above the level inside, below it outside.",
+                ));
             };
             if let Some(i) = plane.iter().position(|x| x.is_nan()) {
                 let message = format!("`density` is NaN at {}", written(points[i]));
-                return Err(SolidError::new(message, "A solid has a density everywhere in its box."));
+                return Err(SolidError::new(message, "Return a number at every point of the box."));
             }
             let limit = f64::from(f32::MAX);
             all.extend(plane.iter().map(|&x| f64::from(x).clamp(-limit, limit) - self.level));
@@ -120,7 +123,7 @@ impl<'o> Field<'o> {
         Ok(all)
     }
 
-    /// What is given off at some points, as colours.
+    /// Evaluates the emission at some points, as colours.
     pub fn emission(&self, points: &[DVec3], spacing: f64) -> Result<Vec<DVec3>, SolidError> {
         match &self.emission {
             Some(program) => self.vectors(program, "emission", points, spacing),
@@ -140,12 +143,12 @@ impl<'o> Field<'o> {
             let planes = self.ask(program, name, points, spacing)?;
             let [x, y, z] = &planes[..] else {
                 let message = format!("`{name}(point)` gives {} numbers", planes.len());
-                return Err(SolidError::new(message, "It gives a vector of 3."));
+                return Err(SolidError::new(message, "Return a vector of 3."));
             };
             let vector = |i| DVec3::new(f64::from(x[i]), f64::from(y[i]), f64::from(z[i]));
             if let Some(i) = (0..points.len()).find(|&i| !vector(i).is_finite()) {
                 let message = format!("`{name}` is {} at {}", vector(i), written(points[i]));
-                return Err(SolidError::new(message, "It needs finite numbers: look for a division by 0."));
+                return Err(SolidError::new(message, "Return finite numbers: look for a division by 0."));
             }
             all.extend((0..points.len()).map(vector));
         }
@@ -172,9 +175,9 @@ impl<'o> Field<'o> {
 /// Places on straight lines, each between one outside and one inside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bracket {
-    /// Outside, and how far the density is over the level there: not.
+    /// The outer end, and the density above the level there (not positive).
     pub out: (DVec3, f64),
-    /// Inside, and how far the density is over the level there.
+    /// The inner end, and the density above the level there.
     pub within: (DVec3, f64),
 }
 

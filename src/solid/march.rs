@@ -72,7 +72,7 @@ pub(super) struct Found {
     pub places: Vec<Place>,
     /// Steps in which the density changed by more than the bound.
     pub doubts: u64,
-    /// Most steps of a ray.
+    /// The maximum number of steps of a ray.
     pub rounds: u64,
 }
 

@@ -1,6 +1,6 @@
 //! A mesh of the surface by marching cubes, a few layers of the grid at a time.
 //!
-//! Which triangles a cell has is told by the tables of Eric Lengyel's Transvoxel Algorithm (<http://transvoxel.org/>): they
+//! The triangles of a cell come from the tables of Eric Lengyel's Transvoxel Algorithm (<http://transvoxel.org/>): they
 //! divide a face between two cells the same way on both sides, so nothing gapes. Each edge of the grid has one point for
 //! all cells about it, which then is moved to where the surface crosses the edge.
 

@@ -1,13 +1,13 @@
-//! Space functions made solid: the surface where the `density` of a program passes a level, what of it can be seen, and
-//! a mesh of it; or what is soft, seen through.
+//! Solids from density functions: the surface where the `density` of a program crosses a level, its rendering, a mesh of
+//! it, and volumes.
 //!
-//! A program tells of a solid by functions of a point, of which all but the first may be missing:
+//! A program defines a solid by functions of a point. All but the first are optional:
 //!
-//! - `density(p)`: over the level inside, below or at it outside.
-//! - `gradient(p)`: the density's gradient, where it is known exactly. Normals are made of it.
-//! - `emission(p)`: the colour of what is soft.
+//! - `density(p)`: above the level inside, at most the level outside.
+//! - `gradient(p)`: the exact gradient of the density, for normals.
+//! - `emission(p)`: the colour of the light that a volume emits.
 //!
-//! What is computed how, and within which bounds, is told in docs/solids.md.
+//! docs/solids.md describes the methods and their bounds.
 
 mod cuboid;
 mod error;
@@ -27,20 +27,20 @@ use field::Field;
 use std::sync::atomic::{AtomicU64, Ordering};
 use view::View;
 
-/// How a solid is looked at.
+/// Options for rendering a solid.
 #[derive(Clone, Debug)]
 pub struct SolidOptions {
-    /// The picture's size and the camera. The default camera has the whole box in the picture; a solid has no `scale`.
+    /// The picture's size and the camera. The default camera shows the whole box; `scale` is not used.
     pub view: scene::Options,
-    /// The box that the solid lies in; what would go on beyond is cut off.
+    /// The box around the solid; parts outside are cut off.
     pub bounds: [[f64; 3]; 2],
-    /// The density is more than this inside.
+    /// The density at the surface; inside it is higher.
     pub level: f64,
-    /// A bound of the density's slope, if it is known; otherwise it is estimated.
+    /// An upper bound of the density's slope; estimated if `None`.
     pub lipschitz: Option<f64>,
-    /// Does the density, over the level, dim the light along the ray, instead of making a surface?
+    /// Render a volume, which absorbs light where the density exceeds the level, instead of a surface.
     pub soft: bool,
-    /// The longest step through what is soft; a 256th of the box if not given.
+    /// The longest step through a volume; by default 1/256 of the box.
     pub step: Option<f64>,
 }
 
@@ -58,19 +58,19 @@ impl Default for SolidOptions {
     }
 }
 
-/// What is known of the work so far.
+/// Statistics of the work so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Told {
-    /// How often the density was asked.
-    pub asked: u64,
-    /// The least and the greatest bound of the density's slope; of all blocks, if it was estimated.
-    pub slopes: Option<[f64; 2]>,
-    /// Steps in which the density changed by more than the bound; they were taken back.
+pub struct SolidStats {
+    /// The number of evaluations of the density.
+    pub evaluations: u64,
+    /// The smallest and the largest bound of the density's slope; of all blocks, if it was estimated.
+    pub slope_bounds: Option<[f64; 2]>,
+    /// Steps in which the density changed by more than the bound, and which were undone.
     pub contradictions: u64,
-    /// Most steps of a ray.
-    pub steps: u64,
-    /// Pixels with something of the solid.
-    pub seen: u64,
+    /// The maximum number of steps of a ray.
+    pub max_steps: u64,
+    /// Pixels that show the solid.
+    pub visible_pixels: u64,
 }
 
 /// The solid of a program.
@@ -95,23 +95,23 @@ pub struct Isosurface<'o> {
     field: Field<'o>,
     cuboid: Cuboid,
     view: View,
-    told: Counters,
+    counters: Counters,
 }
 
-/// [`Told`] as it grows.
+/// The counters behind [`SolidStats`].
 #[derive(Default)]
 struct Counters {
     contradictions: AtomicU64,
-    steps: AtomicU64,
-    seen: AtomicU64,
+    max_steps: AtomicU64,
+    visible_pixels: AtomicU64,
 }
 
 impl<'o> Isosurface<'o> {
-    /// The solid of the program of that text. `run` says what the program is run with: the frame, what is set, limits.
-    /// `pixelsize` is the width of a pixel in the middle of the box, if it does not say.
+    /// Creates the solid of a program. `run` has the frame, the params and the limits. By default `pixelsize` is the width
+    /// of a pixel in the middle of the box.
     ///
     /// # Errors
-    /// What is wrong with the program or the options. What goes wrong at points is found when they are asked.
+    /// If the program or the options have errors. Errors at points occur when the points are evaluated.
     pub fn new(
         compiler: &Compiler<'_>,
         name: &str,
@@ -122,21 +122,21 @@ impl<'o> Isosurface<'o> {
         let cuboid = Cuboid::new(options.bounds)?;
         let view = View::new(&cuboid, options)?;
         let field = Field::new(compiler, name, text, options.level, run)?;
-        Ok(Isosurface { field, cuboid, view, told: Counters::default() })
+        Ok(Isosurface { field, cuboid, view, counters: Counters::default() })
     }
 
-    /// The program, as it is asked for its density.
+    /// The compiled program for the density.
     pub fn program(&self) -> &Program {
         self.field.program()
     }
 
-    /// Are normals made of the program's own `gradient`?
+    /// Whether normals come from the program's own `gradient`.
     pub fn has_gradient(&self) -> bool {
         self.field.has_gradient()
     }
 
-    /// A mesh of the surface: `resolution` cells along the longest side of the box. It is closed, also where the box
-    /// cuts the solid; each edge has two faces, and these run counterclockwise seen from outside.
+    /// Makes a mesh of the surface, with `resolution` cells along the longest side of the box. It is closed, also
+    /// where the box cuts the solid. Each edge has two faces, which are counterclockwise seen from outside.
     ///
     /// # Errors
     /// If the program fails, or the mesh is too large.
@@ -148,15 +148,15 @@ impl<'o> Isosurface<'o> {
         mesh::mesh(&self.field, &self.cuboid, resolution, progress)
     }
 
-    /// What is known of the work so far.
-    pub fn told(&self) -> Told {
+    /// Statistics of the work so far.
+    pub fn stats(&self) -> SolidStats {
         let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
-        Told {
-            asked: self.field.asked(),
-            slopes: self.view.slopes().map(|slopes| slopes.range()),
-            contradictions: of(&self.told.contradictions),
-            steps: of(&self.told.steps),
-            seen: of(&self.told.seen),
+        SolidStats {
+            evaluations: self.field.asked(),
+            slope_bounds: self.view.slopes().map(|slopes| slopes.range()),
+            contradictions: of(&self.counters.contradictions),
+            max_steps: of(&self.counters.max_steps),
+            visible_pixels: of(&self.counters.visible_pixels),
         }
     }
 }

@@ -16,7 +16,7 @@ const SAFETY: f64 = 1.5;
 
 /// Bounds of the slope of the density.
 pub(super) enum Slopes {
-    /// Somebody knows.
+    /// Given by the user.
     Stated(f64),
     /// The steepest in each block and the blocks about it, with the safety.
     Estimated {

@@ -13,11 +13,11 @@ const OPAQUE: f64 = 1e-3;
 /// What a ray has met, before all that it has not.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Gathered {
-    /// The share of the light from behind that does not come through.
+    /// The absorbed share of the light from behind.
     pub alpha: f64,
-    /// The mean distance of what took it.
+    /// The mean distance of the absorption.
     pub distance: f64,
-    /// What was given off, as far as it comes through.
+    /// The emitted light that reaches the eye.
     pub color: DVec3,
 }
 

@@ -62,18 +62,24 @@ impl View {
         }
         let positive = |x: &f64| x.is_finite() && *x > 0.0;
         if view.scale != 1.0 {
-            return Err(SolidError::new("a solid is not scaled", "It is as large as its density says."));
+            return Err(SolidError::new(
+                "a solid is not scaled",
+                "Its size is that of its density. Remove --scale.",
+            ));
         }
         if !options.level.is_finite() {
-            return Err(SolidError::new("the level is not finite", "Give a number that the density passes."));
+            return Err(SolidError::new(
+                "the level is not finite",
+                "Give a number that the density crosses.",
+            ));
         }
         if lipschitz.is_some_and(|l| !positive(&l)) {
-            let hint = "Give the steepest slope of the density, in its units a unit of space.";
+            let hint = "Give the steepest slope of the density, in density per unit of space.";
             return Err(SolidError::new("the bound of the slope is not a positive number", hint));
         }
         if step.is_some_and(|s| !positive(&s) || s < cuboid.longest() * 1e-5) {
             let hint = format!("Give a length like {}.", cuboid.longest() / SOFT_STEPS);
-            return Err(SolidError::new("the step is too short to ever get through the box", hint));
+            return Err(SolidError::new("the step is too short for the box", hint));
         }
         let middle = cuboid.middle();
         let (way, far) = DEFAULT_EYE;
@@ -109,12 +115,12 @@ impl View {
         })
     }
 
-    /// The bounds of the slope, if they were wanted yet.
+    /// The bounds of the slope, if they were already computed.
     pub fn slopes(&self) -> Option<Arc<Slopes>> {
         self.slopes.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// The bounds of the slope. It is also looked whether the eye can see.
+    /// Computes the bounds of the slope, and checks that the eye is outside the solid.
     fn prepare(&self, field: &Field<'_>, cuboid: &Cuboid) -> Result<Arc<Slopes>, SolidError> {
         let mut slopes = self.slopes.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(slopes) = &*slopes {
@@ -155,8 +161,8 @@ impl Isosurface<'_> {
         }
     }
 
-    /// Some rows of the picture, as an image whose origin is theirs. What they hold does not depend on which rows are
-    /// asked together.
+    /// Renders some rows of the picture, as an image with their origin. The result does not depend on the division
+    /// into rows.
     ///
     /// # Errors
     /// If the program goes wrong at a point, the density is no number, or the eye is inside the solid.
@@ -164,7 +170,7 @@ impl Isosurface<'_> {
         self.rows_at(rows, |_| [0.0; 2])
     }
 
-    /// The like, seen as far beside the middle of each pixel, `[column row]`, as `offset` says: columns to the right, rows
+    /// Renders some rows with an offset from the centre of each pixel, `[column row]`: columns to the right, rows
     /// down.
     ///
     /// # Errors
@@ -236,9 +242,9 @@ impl Isosurface<'_> {
             spacing: self.view.spacing,
         };
         let found = march.surface(rays)?;
-        self.told.contradictions.fetch_add(found.doubts, Ordering::Relaxed);
-        self.told.steps.fetch_max(found.rounds, Ordering::Relaxed);
-        self.told.seen.fetch_add(found.places.len() as u64, Ordering::Relaxed);
+        self.counters.contradictions.fetch_add(found.doubts, Ordering::Relaxed);
+        self.counters.max_steps.fetch_max(found.rounds, Ordering::Relaxed);
+        self.counters.visible_pixels.fetch_add(found.places.len() as u64, Ordering::Relaxed);
         for place in found.places {
             let (ray, cells) = (&rays[place.index].0, &mut cells[pixels[place.index]]);
             // A density without a slope has no normal: the surface faces the eye.
@@ -250,7 +256,7 @@ impl Isosurface<'_> {
         Ok(())
     }
 
-    /// What is soft.
+    /// The volume.
     fn soft(
         &self,
         pixels: &[usize],
@@ -260,7 +266,7 @@ impl Isosurface<'_> {
         let gathered = gather(&self.field, rays, self.view.step, self.view.spacing)?;
         for ((pixel, (ray, _)), gathered) in pixels.iter().zip(rays).zip(gathered) {
             if gathered.alpha > 0.0 {
-                self.told.seen.fetch_add(1, Ordering::Relaxed);
+                self.counters.visible_pixels.fetch_add(1, Ordering::Relaxed);
                 let cells = &mut cells[*pixel];
                 self.place(cells, ray.at(gathered.distance));
                 cells[8] = gathered.alpha as f32;

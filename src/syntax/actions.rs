@@ -186,7 +186,7 @@ impl Builder<'_, '_> {
     pub fn range_outside(&mut self, a: Expr, b: Expr) -> Expr {
         let span = a.span.to(b.span);
         let hint = format!("Write `[{} .. {}]`.", self.quoted(a.span, "1"), self.quoted(b.span, "5"));
-        self.fault("a range stands inside `[ ]`", span, "", hint);
+        self.fault("a range is only allowed inside `[ ]`", span, "", hint);
         let range = expr(span, ExprKind::Range(a, b));
         expr(span, ExprKind::Vector(vec![range]))
     }
@@ -201,13 +201,13 @@ impl Builder<'_, '_> {
             let hint = if elements.is_empty() {
                 format!("The first component is `{what}[1]`.")
             } else if minus {
-                "Blanks separate elements inside `[ ]`: write `a - b` or `a-b` for a difference.".to_string()
+                "Spaces separate elements inside `[ ]`: write `a - b` or `a-b` for a difference.".to_string()
             } else {
                 format!("To pick several, write `{what}[{written}]`; to pick one of a row, `{what}[1][2]`.")
             };
             let message = match elements.len() {
                 0 => "the index is missing".to_string(),
-                n => format!("an index is one value, and these are {n}"),
+                n => format!("an index is one value, and {n} were found"),
             };
             self.fault(message, inside, "", hint);
         }
@@ -215,7 +215,7 @@ impl Builder<'_, '_> {
             && matches!(&*range.kind, ExprKind::Range(..))
         {
             let hint = format!("To pick several, write `{what}[{}]`.", self.quoted(inside, "[1 .. 3]"));
-            self.fault("an index is one value, and this is a range", range.span, "", hint);
+            self.fault("an index is one value, and a range was found", range.span, "", hint);
         }
         let span = e.span.to(inside);
         match elements.pop() {
@@ -236,10 +236,10 @@ impl Builder<'_, '_> {
             ExprKind::Number(_) | ExprKind::Group(_) | ExprKind::Index(..) => {
                 format!("To multiply, write `{what} * (…)`.")
             }
-            ExprKind::Member(..) => "Functions belong to no variable: write `f(v)`.".to_string(),
+            ExprKind::Member(..) => "Functions are not members of variables: write `f(v)`.".to_string(),
             _ => "Only the name of a function has `(` after it.".to_string(),
         };
-        self.fault("only a function can be called", f.span, "this is no function's name", hint);
+        self.fault("only a function can be called", f.span, "this is not the name of a function", hint);
         expr(span, ExprKind::Error)
     }
 
@@ -262,9 +262,9 @@ impl Builder<'_, '_> {
                         "Assign to one variable, and take its components: `v = f(x)`, `v[1]`."
                     }
                     Some("an expression") => {
-                        "On the left of `=` stands a variable, `v[i]` or `v.x`; to compare, write `==`."
+                        "The left side of `=` must be a variable, `v[i]` or `v.x`; to compare, write `==`."
                     }
-                    _ => "On the left of `=` stands a variable, `v[i]` or `v.x`.",
+                    _ => "The left side of `=` must be a variable, `v[i]` or `v.x`.",
                 };
                 if let Some(what) = what {
                     self.fault(format!("{what} cannot be assigned to"), span, "", hint);
@@ -330,8 +330,8 @@ impl Builder<'_, '_> {
                 (Before::Else(first), _) => {
                     let first = *first;
                     let error = Diagnostic::error("syntax", "nothing can follow an `else`", span)
-                        .label(first, "this `else` takes all that is left")
-                        .hint("Put `else if` before `else`; an `if` has one `else` at most.");
+                        .label(first, "this `else` covers all other cases")
+                        .hint("Put `else if` before `else`; an `if` has at most one `else`.");
                     self.faults.push(Fault::Found(error));
                 }
                 (Before::Faulty, _) => {}
@@ -339,7 +339,7 @@ impl Builder<'_, '_> {
                     "this `else` has no `if`",
                     span,
                     "",
-                    "An `else` has the same indent as its `if`, and follows its block directly.",
+                    "Give `else` the same indent as its `if`, directly after the block.",
                 ),
             }
             before = match (before, is_last) {
@@ -359,7 +359,7 @@ impl Builder<'_, '_> {
         if let Some(above) = above
             && matches!(above.kind, StmtKind::Assign { .. } | StmtKind::Expr(_))
         {
-            error = error.label(above.span, "this line opens no block");
+            error = error.label(above.span, "this line does not start a block");
         }
         self.faults.push(Fault::Found(error.hint(
             "Give it the indent of the line above; a block starts after if, else, while, for or function.",

@@ -7,7 +7,7 @@ use crate::diagnostic::Span;
 pub struct Name {
     /// The text.
     pub text: String,
-    /// Where.
+    /// The place.
     pub span: Span,
 }
 
@@ -23,7 +23,7 @@ pub struct Module {
 pub struct Stmt {
     /// What it does.
     pub kind: StmtKind,
-    /// Where.
+    /// The place.
     pub span: Span,
 }
 
@@ -109,7 +109,7 @@ pub enum Access {
 pub struct Expr {
     /// What it is.
     pub kind: Box<ExprKind>,
-    /// Where.
+    /// The place.
     pub span: Span,
 }
 

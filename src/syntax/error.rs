@@ -168,13 +168,13 @@ impl<'a> Scene<'a> {
             let word = self.word(&self.line[0]);
             return Some(Said {
                 place: Some(Span::new(self.source, self.line[0].0, self.line[0].2)),
-                ..said(format!("`{word}` is a word of the language"), "A variable needs another name.")
+                ..said(format!("`{word}` is a word of the language"), "Give the variable another name.")
             });
         }
         match (self.first()?, self.at) {
             (Token::For, 1) if self.found == Token::OpenParen => Some(said(
                 "`for` has no brackets",
-                "Write `for i in [1 .. 10]`; for counting with a condition there is `while`.",
+                "Write `for i in [1 .. 10]`; to loop with a condition, use `while`.",
             )),
             (Token::For, 1) | (Token::Function, 1) | (Token::Param, 1) => {
                 make(format!("a name is expected here, and {found} was found"))
@@ -183,10 +183,10 @@ impl<'a> Scene<'a> {
             (Token::Function, 2) => make(format!("`(` is expected here, and {found} was found")),
             (Token::Param, 2) => make(format!("`=` and a value are expected here, and {found} was found")),
             (Token::Import, 1) => {
-                make(format!("a file's name in quotes is expected here, and {found} was found"))
+                make(format!("a file name in quotes is expected here, and {found} was found"))
             }
             (Token::Break | Token::Continue, 1) => make(format!(
-                "`{}` stands alone on its line, and {found} was found",
+                "`{}` must be alone on its line, and {found} was found",
                 self.word(&self.line[0])
             )),
             (Token::Else, 1) => Some(said(
@@ -215,14 +215,15 @@ impl<'a> Scene<'a> {
             Token::Assign if header || open.is_some() => Some(if self.argument_name_with_path() {
                 said("an argument's name is a single name", "Write `f(v, name = value)`.")
             } else {
-                said("`=` assigns, and cannot stand in an expression", "Use `==` to compare.").label("`==`?")
+                said("`=` assigns, and cannot be used in an expression", "Use `==` to compare.")
+                    .label("`==`?")
             }),
             Token::Assign => Some(said(
-                "there can be one `=` in a line",
+                "a line can have only one `=`",
                 "Assign on two lines: `b = 1`, then `a = b`. To compare, use `==`.",
             )),
             token if token.is_assignment() => Some(said(
-                format!("{found} cannot stand inside an expression"),
+                format!("{found} cannot be used in an expression"),
                 "It changes a variable, as a statement on a line of its own.",
             )),
             Token::Colon if header && open.is_none() => Some(said(
@@ -231,61 +232,60 @@ impl<'a> Scene<'a> {
             )),
             Token::Colon => Some(said(
                 "this `:` has no `?`",
-                "A choice is written `condition ? value : other`; a range `[1 .. 5]`.",
+                "Write a choice as `condition ? value : other`; a range `[1 .. 5]`.",
             )),
             Token::Range if self.line.iter().take(self.at).any(|t| t.1 == Token::Range) => Some(said(
                 "a range has two ends, and no step",
                 "Write `[1 .. 5]`, or `2*[1 .. 5]` for steps of 2.",
             )),
-            Token::Range => Some(said("a range stands inside `[ ]`", "Write `[1 .. 5]`.")),
+            Token::Range => Some(said("a range is only allowed inside `[ ]`", "Write `[1 .. 5]`.")),
             Token::Comma if open.is_none() && after_operand => Some(said(
-                "`,` separates arguments and elements, and here is neither",
+                "`,` is only allowed between arguments or elements",
                 if self.line.iter().take(self.at).any(|t| t.1 == Token::Assign) {
-                    "A vector is written in `[ ]`: `a = [1 2]`."
+                    "Write a vector in `[ ]`: `a = [1 2]`."
                 } else {
                     "Assign one variable on each line."
                 },
             )),
-            Token::Add if !after_operand => Some(said(
-                "an expression is expected here, and `+` was found",
-                "Leave the `+` out; a number needs none.",
-            )),
+            Token::Add if !after_operand => {
+                Some(said("an expression is expected here, and `+` was found", "Remove the `+`."))
+            }
             Token::If if self.at > 0 => Some(said(
-                "`if` starts a statement, and cannot stand in an expression",
+                "`if` starts a statement, and cannot be used in an expression",
                 "To choose between two values write `condition ? value : other`.",
             )),
             token if token.starts_statement() && self.at > 0 => {
                 let mut answer = said(
-                    format!("{found} starts a statement, and cannot stand here"),
-                    "A statement goes on a line of its own.",
+                    format!("{found} starts a statement, and cannot be used here"),
+                    "Put the statement on a line of its own.",
                 );
                 if self.line.get(self.at + 1).is_none_or(|t| !t.1.starts_operand()) {
                     answer.hints =
-                        vec![format!("{found} is a word of the language: a variable needs another name.")];
+                        vec![format!("{found} is a word of the language. Give the variable another name.")];
                 }
                 Some(answer)
             }
             Token::In | Token::EndOfLine if self.missing_colon() => {
-                Some(said("this `?` has no `:`", "A choice is written `condition ? value : other`."))
+                Some(said("this `?` has no `:`", "Write a choice as `condition ? value : other`."))
             }
             Token::CloseParen | Token::CloseSquare | Token::Comma | Token::Separator
                 if self.missing_colon() =>
             {
                 Some(said(
                     format!("`:` is expected here, and {found} was found"),
-                    "A choice is written `condition ? value : other`.",
+                    "Write a choice as `condition ? value : other`.",
                 ))
             }
             Token::In if self.at == 0 => Some(said(
                 "`in` is a word of the language",
-                "A variable needs another name; to loop over a vector, write `for name in vector`.",
+                "Give the variable another name; to loop over a vector, write `for name in vector`.",
             )),
             Token::In => Some(said(
-                "`in` is a word of `for` and `param`, and no operator",
+                "`in` is a word of `for` and `param`, not an operator",
                 "To loop over a vector, write `for name in vector`.",
             )),
             Token::Not if after_operand => {
-                Some(said("`!` stands before what it negates", "For \"not equal\" write `!=`."))
+                Some(said("`!` must come before its operand", "For \"not equal\" write `!=`."))
             }
             _ => None,
         }
@@ -317,7 +317,7 @@ impl<'a> Scene<'a> {
         // The first word may be a keyword with a slip in it.
         if self.at == 1 && before.1 == Token::Name {
             if let Some(keyword) = nearest_keyword(word) {
-                answer.message = format!("`{word}` starts no statement");
+                answer.message = format!("`{word}` does not start a statement");
                 answer.place = Some(Span::new(self.source, before.0, before.2));
                 answer.hints.push(format!("Did you mean `{keyword}`?"));
                 return answer;
@@ -336,7 +336,7 @@ impl<'a> Scene<'a> {
                 answer.hints.push(format!("The first component is `{word}[1]`, or `{word}.x`."));
             }
             (_, Token::Comma, _) => {
-                answer.hints.push("A vector is written in `[ ]`: `[1 2]`.".to_string());
+                answer.hints.push("Write a vector in `[ ]`: `[1 2]`.".to_string());
             }
             (_, Token::Number | Token::Name | Token::Text | Token::OpenSquare, _)
                 if self.open().is_some_and(|t| t.1 == Token::OpenParen) && self.expects(",") =>
@@ -345,18 +345,16 @@ impl<'a> Scene<'a> {
             }
             (Token::Name, Token::Name | Token::Number | Token::Text, Some(_)) => {
                 let operand = self.operand(self.at);
-                answer.hints.push(format!("A call needs brackets: `{word}({operand})`."));
+                answer.hints.push(format!("Write a call with brackets: `{word}({operand})`."));
                 if self.found != Token::Text {
-                    answer
-                        .hints
-                        .push(format!("Between two values stands an operator: `{word} * {operand}`."));
+                    answer.hints.push(format!("Put an operator between two values: `{word} * {operand}`."));
                 }
             }
             (Token::Number, Token::Name, Some(name)) | (Token::CloseParen, Token::Name, Some(name)) => {
                 answer.hints.push(format!("To multiply, write `… * {}`.", self.word(name)));
             }
             (_, Token::Number | Token::Name | Token::Separator, _) if self.open().is_none() => {
-                answer.hints.push("A vector is written in `[ ]`: `[1 0 0]`.".to_string());
+                answer.hints.push("Write a vector in `[ ]`: `[1 0 0]`.".to_string());
             }
             _ => {}
         }
@@ -408,7 +406,7 @@ impl<'a> Scene<'a> {
             (_, token) if token.is_infix() || before.1.is_infix() || before.1 == Token::Sub => {
                 answer.message = format!("an expression is expected after `{word}`, and {found} was found");
                 if answer.hints.is_empty() {
-                    answer.hints.push("An operator stands between two values.".to_string());
+                    answer.hints.push("Put an operator between two values.".to_string());
                 }
             }
             _ => {}

@@ -34,7 +34,7 @@ pub fn format(text: &str) -> Result<String, Vec<Diagnostic>> {
             "this program cannot be formatted without changing it",
             Span::new(SourceId::default(), 0, 0),
         )
-        .hint("Please report it, with the program; it is not changed."),
+        .hint("The file was not changed. Please report this, with the program."),
     ])
 }
 

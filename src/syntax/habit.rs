@@ -63,19 +63,21 @@ pub fn find(token: Token, text: &str, place: &Place<'_>) -> Option<Habit> {
     use Meant::{Tokens, Unknown};
     match token {
         Token::Ampersand => {
-            habit("a single `&` is no operator", "Write `&&` for \"and\".", Tokens(&[Token::And]))
+            habit("a single `&` is not an operator", "Write `&&` for \"and\".", Tokens(&[Token::And]))
         }
-        Token::Pipe => habit("a single `|` is no operator", "Write `||` for \"or\".", Tokens(&[Token::Or])),
+        Token::Pipe => {
+            habit("a single `|` is not an operator", "Write `||` for \"or\".", Tokens(&[Token::Or]))
+        }
         Token::StarStar => {
-            habit("`**` is no operator", "Write `^` for a power: `x ^ 2`.", Tokens(&[Token::Pow]))
+            habit("`**` is not an operator", "Write `^` for a power: `x ^ 2`.", Tokens(&[Token::Pow]))
         }
         Token::SlashSlash => habit(
-            "`//` is no operator, and starts no comment",
+            "`//` is neither an operator nor a comment",
             "A comment starts with `#`; to divide and round down, write floor(a / b).",
             Tokens(&[Token::Div]),
         ),
         Token::SlashStar => {
-            habit("`/*` starts no comment", "Start every line of a comment with `#`.", Tokens(&[]))
+            habit("`/*` does not start a comment", "Start every line of a comment with `#`.", Tokens(&[]))
         }
         Token::PlusPlus => habit(
             "there is no operator `++`",
@@ -86,41 +88,43 @@ pub fn find(token: Token, text: &str, place: &Place<'_>) -> Option<Habit> {
             },
             Unknown,
         ),
-        Token::EqEqEq => habit("`===` is no operator", "Write `==` to compare.", Tokens(&[Token::Eq])),
+        Token::EqEqEq => habit("`===` is not an operator", "Write `==` to compare.", Tokens(&[Token::Eq])),
         Token::NotEqEq => {
-            habit("`!==` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
+            habit("`!==` is not an operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
         }
         Token::LessGreater => {
-            habit("`<>` is no operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
+            habit("`<>` is not an operator", "Write `!=` for \"not equal\".", Tokens(&[Token::Ne]))
         }
-        Token::ColonAssign => habit("`:=` is no operator", "Write `=` to assign.", Tokens(&[Token::Assign])),
+        Token::ColonAssign => {
+            habit("`:=` is not an operator", "Write `=` to assign.", Tokens(&[Token::Assign]))
+        }
         Token::AssignGreater => {
-            habit("`=>` is no operator", "Write `>=` for \"greater or equal\".", Tokens(&[Token::Ge]))
+            habit("`=>` is not an operator", "Write `>=` for \"greater or equal\".", Tokens(&[Token::Ge]))
         }
         Token::AssignLess => {
-            habit("`=<` is no operator", "Write `<=` for \"less or equal\".", Tokens(&[Token::Le]))
+            habit("`=<` is not an operator", "Write `<=` for \"less or equal\".", Tokens(&[Token::Le]))
         }
         Token::Ellipsis => {
             habit("a range has two dots, this has three", "Write `[1 .. 5]`.", Tokens(&[Token::Range]))
         }
         Token::Semicolon if place.outside => habit(
             "a statement does not end with `;`",
-            "The end of the line ends it; a second statement goes on a line of its own.",
+            "Remove it, and put each statement on its own line.",
             Tokens(if place.last() { &[] } else { &[Token::EndOfLine] }),
         ),
         Token::Semicolon if place.in_for => habit(
-            "`for` goes through the elements of a vector",
-            "Write `for i in [1 .. 10]`; for counting with a condition there is `while`.",
+            "`for` loops over the elements of a vector",
+            "Write `for i in [1 .. 10]`; to loop with a condition, use `while`.",
             Unknown,
         ),
         Token::Semicolon => habit(
             "`;` separates nothing",
-            "Elements are separated by blanks, and rows are vectors of their own: `[[1 2] [3 4]]`.",
+            "Separate elements by spaces, and write rows as vectors of their own: `[[1 2] [3 4]]`.",
             Unknown,
         ),
         Token::OpenBrace | Token::CloseBrace => habit(
             "blocks are not written with `{` and `}`",
-            "Indent the lines of the block, and leave the braces out.",
+            "Indent the lines of the block, and remove the braces.",
             if place.outside { Tokens(&[]) } else { Unknown },
         ),
         Token::SingleQuoted => habit(
@@ -129,8 +133,8 @@ pub fn find(token: Token, text: &str, place: &Place<'_>) -> Option<Habit> {
             Tokens(&[Token::Text]),
         ),
         Token::Backslash => habit(
-            "`\\` means nothing here",
-            "To go on over the end of a line, put the whole in `( )`: a line may break there.",
+            "`\\` is not allowed here",
+            "To continue an expression on the next line, put it in `( )`.",
             Unknown,
         ),
         Token::BadNumber => Some(bad_number(text)),
@@ -138,7 +142,7 @@ pub fn find(token: Token, text: &str, place: &Place<'_>) -> Option<Habit> {
         Token::Name if !place.after_dot => word(text, place),
         Token::Colon if place.header && place.last() && place.outside => habit(
             "no colon before a block",
-            "Leave the `:` out; the indented lines below are the block.",
+            "Remove the `:`; the indented lines below are the block.",
             Tokens(&[]),
         ),
         _ => None,
@@ -166,7 +170,7 @@ fn word(text: &str, place: &Place<'_>) -> Option<Habit> {
         {
             habit(
                 "variables are not declared",
-                format!("Leave `{text}` out: a variable is made when something is assigned to it."),
+                format!("Remove `{text}`: the first assignment creates the variable."),
                 Tokens(&[]),
             )
         }
@@ -181,15 +185,15 @@ fn word(text: &str, place: &Place<'_>) -> Option<Habit> {
         }
         "then" | "do" if place.header && place.last() => habit(
             format!("no `{text}` before a block"),
-            format!("Leave `{text}` out; the indented lines below are the block."),
+            format!("Remove `{text}`; the indented lines below are the block."),
             Tokens(&[]),
         ),
         "pass" if place.first && place.last() => {
-            habit("there is no `pass`", "Leave out the branch that does nothing.", Tokens(&[Token::Number]))
+            habit("there is no `pass`", "Remove the empty branch.", Tokens(&[Token::Number]))
         }
         "end" | "endif" | "fi" | "done" if place.first && place.last() => habit(
             format!("a block does not end with `{text}`"),
-            "It ends where the indentation ends: leave the line out.",
+            "It ends where the indentation ends. Remove the line.",
             Tokens(&[]),
         ),
         "end" | "endif" | "fi" | "done" => None,
@@ -219,7 +223,7 @@ fn bad_number(text: &str) -> Habit {
         }
         _ if rest.trim_matches(['e', 'E']).is_empty() => (
             format!("the exponent of `{text}` has no digits"),
-            format!("Write `{number}{rest}3`, for example, or leave the `{rest}` out."),
+            format!("Write `{number}{rest}3`, for example, or remove the `{rest}`."),
         ),
         _ => (
             format!("`{text}` is neither a number nor a name"),
@@ -264,8 +268,8 @@ fn unknown(text: &str, place: &Place<'_>) -> Habit {
             if text.chars().count() > 1 { Tokens(&[Token::Text]) } else { Unknown },
         ),
         '\u{a0}' | '\u{2000}'..='\u{200b}' | '\u{202f}' | '\u{3000}' | '\u{feff}' => (
-            format!("a character that only looks like a blank (U+{:04X})", first as u32),
-            "Type a plain blank in its place.".to_string(),
+            format!("a character that only looks like a space (U+{:04X})", first as u32),
+            "Replace it by a normal space.".to_string(),
             Tokens(&[]),
         ),
         '²' | '³' => (
@@ -280,7 +284,7 @@ fn unknown(text: &str, place: &Place<'_>) -> Habit {
             format!("`{first}` is not a character of the language"),
             match vocabulary::variable(place.next_text) {
                 Some(instead) => instead.to_string(),
-                None => "A name is written without a mark before it.".to_string(),
+                None => "Write the name without it.".to_string(),
             },
             // `v@P` has the type before the mark.
             if place.after_operand { Unknown } else { Tokens(&[]) },

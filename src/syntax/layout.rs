@@ -189,9 +189,12 @@ impl<'a> Blocks<'a> {
         let open = if is_else { self.levels.len().max(2) - 1 } else { self.levels.len() };
         let nearest = (0..open).rev().min_by_key(|&i| shown(&self.levels[i])).unwrap_or(0);
         if self.top().indent.starts_with(indent) {
-            let mut error =
-                Diagnostic::error("syntax", "the indent of this line fits no block", reader.span(start, at))
-                    .label(reader.span(start, at), format!("{} here", blanks(indent)));
+            let mut error = Diagnostic::error(
+                "syntax",
+                "the indent of this line matches no block",
+                reader.span(start, at),
+            )
+            .label(reader.span(start, at), format!("{} here", blanks(indent)));
             let top = self.top();
             if !top.indent.is_empty() {
                 let span = reader.span(top.start, top.start + top.indent.len());
@@ -200,7 +203,7 @@ impl<'a> Blocks<'a> {
             let inner = self.levels.iter().find(|l| l.indent.len() > indent.len()).unwrap_or(top);
             let outer = self.levels.iter().rfind(|l| l.indent.len() < indent.len()).unwrap_or(top);
             let hint = format!(
-                "All lines of a block have the same indent: here {} for the block, or {} for the lines around it.",
+                "Give all lines of a block the same indent: here {} for the block, or {} for the lines around it.",
                 blanks(inner.indent),
                 blanks(outer.indent),
             );
@@ -210,12 +213,12 @@ impl<'a> Blocks<'a> {
             reader.errors.push(
                 Diagnostic::error(
                     "syntax",
-                    "tabs and blanks are mixed, so that this indent cannot be compared with the one above",
+                    "the indent mixes tabs and spaces, and cannot be compared with the line above",
                     reader.span(start, at),
                 )
                 .label(reader.span(start, at), format!("{} here", blanks(indent)))
                 .label(reader.span(top.start, top.start + top.indent.len()), blanks(top.indent))
-                .hint("Indent every line with blanks only, four for each block."),
+                .hint("Indent with spaces only, four for each block."),
             );
             if self.header.is_some() || width(indent) > width(self.top().indent) {
                 return self.open(start, indent);
@@ -254,7 +257,7 @@ impl<'a> Blocks<'a> {
             {
                 error = error.label(reader.span(start, end), "this line is not indented");
             }
-            let error = error.hint("Indent the lines that belong to it, by four blanks.");
+            let error = error.hint("Indent the lines of its block by four spaces.");
             reader.blockless.push((start, self.out.last().map_or(end, |t| t.2), error));
         }
         let at = self.out.last().map_or(end, |t| t.2);
@@ -297,8 +300,8 @@ fn blanks(indent: &str) -> String {
     let tabs = indent.matches('\t').count();
     match (tabs, indent.len() - tabs) {
         (0, 0) => "no indent".to_string(),
-        (0, n) => counted(n, "blank"),
+        (0, n) => counted(n, "space"),
         (n, 0) => counted(n, "tab"),
-        (t, n) => format!("{} and {}", counted(t, "tab"), counted(n, "blank")),
+        (t, n) => format!("{} and {}", counted(t, "tab"), counted(n, "space")),
     }
 }

@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
         let deeper = |indent: &str| indent.len() > state.indent.len() && indent.starts_with(state.indent);
         let following = self.next_line();
         let word = &self.text[start..end];
-        let bracket = "An expression goes on over the end of a line only inside `( )` or `[ ]`.";
+        let bracket = "An expression can continue on the next line only inside `( )` or `[ ]`.";
         if infix && state.line.tokens.len() > 1 {
             if let Some(error) = self.web_color(end) {
                 state.line.unreadable = true;
@@ -360,8 +360,12 @@ impl<'a> Reader<'a> {
             }
             Some((_, token, end)) if token.ends_operand() && (end != lexeme.start || !touches) => {
                 self.errors.push(
-                    Diagnostic::error("syntax", "`.` stands between two names, without blanks", span)
-                        .hint("Write `v.x`; a range is `[1 .. 5]`."),
+                    Diagnostic::error(
+                        "syntax",
+                        "`.` must be directly between two names, without spaces",
+                        span,
+                    )
+                    .hint("Write `v.x`; a range is `[1 .. 5]`."),
                 );
                 state.line.unreadable = true;
             }
@@ -409,7 +413,7 @@ impl<'a> Reader<'a> {
         if !state.too_deep {
             self.errors.push(
                 Diagnostic::error("syntax", message, self.span(lexeme.start, lexeme.end))
-                    .hint("Give parts of it names, on lines of their own."),
+                    .hint("Assign parts of it to variables first."),
             );
         }
         state.too_deep = true;
@@ -428,7 +432,7 @@ impl<'a> Reader<'a> {
             Token::Add if touches_next => {
                 let span = self.span(lexeme.start, lexeme.end);
                 self.errors.push(
-                    Diagnostic::error("syntax", "`+` has a blank before it and none after it", span)
+                    Diagnostic::error("syntax", "`+` has a space before it and none after it", span)
                         .hint("For a sum write `a + b` or `a+b`; for two elements write `a b`, without `+`."),
                 );
                 return;
@@ -446,7 +450,7 @@ impl<'a> Reader<'a> {
         let Some(open) = state.top().open else {
             if !state.line.unreadable {
                 self.errors.push(
-                    Diagnostic::error("syntax", format!("`{word}` closes nothing"), span)
+                    Diagnostic::error("syntax", format!("`{word}` has no opening bracket"), span)
                         .hint("Delete it, or add the bracket that it closes."),
                 );
             }
@@ -461,7 +465,7 @@ impl<'a> Reader<'a> {
                     Diagnostic::error("syntax", format!("`{opener}` is closed by `{word}`"), span)
                         .label(span, format!("`{wanted}` expected"))
                         .label(self.span(open.start, open.end), "opened here")
-                        .hint(format!("What `{opener}` opens, `{wanted}` closes.")),
+                        .hint(format!("Close `{opener}` with `{wanted}`.")),
                 );
             }
             state.line.unreadable = true;

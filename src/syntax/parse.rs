@@ -58,7 +58,7 @@ pub(super) fn read(source: SourceId, text: &str) -> Whole {
             format!("the text is longer than {} MiB", MAX_TEXT >> 20),
             Span::new(source, 0, 0),
         )
-        .hint("Large tables belong into an image, which a program reads as a texture.");
+        .hint("Put large tables into an image, and read it as a texture.");
         return Whole {
             module: Module::default(),
             errors: vec![error],

@@ -53,10 +53,10 @@ impl Reader<'_> {
                 self.errors.push(
                     Diagnostic::error(
                         "syntax",
-                        format!("`\\{escaped}` means nothing in a string"),
+                        format!("`\\{escaped}` is not an escape sequence"),
                         self.span(start, start + 1 + escaped.len_utf8()),
                     )
-                    .hint("For a backslash write `\\\\`; a path may be written with `/`."),
+                    .hint("For a backslash write `\\\\`; in a path you can also write `/`."),
                 );
             }
         }

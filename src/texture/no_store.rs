@@ -19,7 +19,7 @@ pub(super) enum Store {}
 impl Store {
     /// Always an error.
     pub fn new(_: &Arc<Tiles>) -> Result<Store, ImageError> {
-        let message = "a texture needs more memory than textures may take";
+        let message = "a texture needs more memory than the limit";
         Err(ImageError::new(ErrorKind::TooLarge, message)
             .hint("Allow more with `texture_memory`, or build with the feature `files` for temporary files."))
     }

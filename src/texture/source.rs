@@ -24,7 +24,7 @@ pub enum Origin {
 
 /// A texture that a program names.
 pub struct Source {
-    /// What messages call it.
+    /// The name in messages.
     pub name: String,
     /// Where it comes from.
     pub origin: Origin,
@@ -86,7 +86,7 @@ impl Source {
         }
         let Some(number) = frame.number else {
             let (shown, value) = (path.display(), frame.value);
-            let message = format!("`{shown}` has no place for frame {value}, only for whole numbers");
+            let message = format!("`{shown}` takes a whole frame number, and the frame is {value}");
             return Err(ImageError::new(ErrorKind::Missing, message));
         };
         Ok(Some(fill(&path.to_string_lossy(), number).into()))
@@ -179,9 +179,9 @@ impl Source {
             return Err(ImageError::new(ErrorKind::Damaged, format!("`{}` has no pixels", self.name)));
         }
         if self.layout == Layout::Cube && sphere::sides(w, h).is_none() {
-            let message = format!("`{}` is no image of a cube: it has {w} x {h} pixels", self.name);
+            let message = format!("`{}` is not an image of a cube: it has {w} x {h} pixels", self.name);
             return Err(ImageError::new(ErrorKind::Unsupported, message)
-                .hint("Square sides stand in a row, 6 x 1 or 1 x 6; in two rows, 3 x 2; or as a cross, 4 x 3 or 3 x 4.")
+                .hint("A cube has square sides in a row (6 x 1 or 1 x 6), in two rows (3 x 2), or in a cross (4 x 3 or 3 x 4).")
                 .hint("An image by latitude and longitude needs no `layout`."));
         }
         Ok(opened)

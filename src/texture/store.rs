@@ -56,9 +56,8 @@ pub(super) struct Store {
 }
 
 fn failure(what: &str, error: &io::Error) -> ImageError {
-    ImageError::io(what, "a temporary file for textures", error).hint(
-        "`TMPDIR` names the folder for such files; with more memory (`--texture-memory`) none is needed.",
-    )
+    ImageError::io(what, "a temporary file for textures", error)
+        .hint("Set another folder with `TMPDIR`, or avoid the file with more memory (`--texture-memory`).")
 }
 
 impl Store {

@@ -76,7 +76,7 @@ pub(super) fn wanted(file: &str, known: &[Known<'_>], channel: Option<&str>) -> 
         if !fits {
             let message = format!("`{}` of `{file}` has {cells} components", found.name);
             return Err(ImageError::new(ErrorKind::Unsupported, message)
-                .hint(format!("A texture has at most {COMPONENTS}; name one of its channels.")));
+                .hint(format!("A texture has at most {COMPONENTS}. Name one of its channels.")));
         }
         let names = vec![found.name.to_string()];
         Ok(Wanted { names, shape, components: (0..taken).collect(), opaque: false })
@@ -85,7 +85,7 @@ pub(super) fn wanted(file: &str, known: &[Known<'_>], channel: Option<&str>) -> 
         None => match (find("color"), known) {
             (Some(color), _) | (None, [color]) => one(color),
             _ => Err(ImageError::new(ErrorKind::Missing, format!("`{file}` has no `color`"))
-                .hint("Say which of its variables is the texture: `channel = \"…\"`.")
+                .hint("Choose one of its variables: `channel = \"…\"`.")
                 .hint(listed())),
         },
         Some(RGBA) if find(RGBA).is_none() => {

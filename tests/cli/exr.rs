@@ -171,7 +171,7 @@ fn components_are_nothing_by_themselves() {
     near(&f.first(&file, "depth", &["--map", "depth=ViewLayer.Mist"]), &[0.25]);
     assert!(f.refused(&file, "depth").contains("If `Mist` is it: --map depth=ViewLayer.Mist"));
     let note = f.pse_with(&["info", &file, "--map", "depth=Mist"], b"");
-    assert!(note.text.contains("`depth` lies between 0 and 1"), "{}{}", note.text, note.err);
+    assert!(note.text.contains("`depth` is between 0 and 1"), "{}{}", note.text, note.err);
 }
 
 #[test]

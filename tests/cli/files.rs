@@ -96,7 +96,7 @@ fn channels_are_mapped() {
     f.good(&format!("run -e g.where -i g={path} --map g.where=point -o c.exr"));
     assert_eq!(f.planes("a.exr", "color"), f.planes("c.exr", "color"));
     f.bad(1, &format!("run -e where -i {path} --map where=pont -o a.exr"), &["pont", "Did you mean"]);
-    f.bad(2, &format!("run -e where -i {path} --map where -o a.exr"), &["no mapping"]);
+    f.bad(2, &format!("run -e where -i {path} --map where -o a.exr"), &["invalid --map"]);
     f.bad(1, &format!("run -e white -i {path} --map h.where=point"), &["no view `h`", "-i h=FILE"]);
     f.bad(2, &format!("run -e white -i g={path} --map h.where=point"), &["no input h"]);
     f.bad(1, &format!("run -e white*albedo -i {path}"), &["no variable `albedo`", "`point`"]);
@@ -123,7 +123,7 @@ fn inputs_are_not_overwritten() {
 fn outputs_that_cannot_be_written() {
     let f = Folder::new();
     fs::create_dir(f.path("dir.exr")).expect("a folder");
-    f.bad(1, "run -e white -o a.foo", &["`.foo` is no format", ".exr .png"]);
+    f.bad(1, "run -e white -o a.foo", &["unknown format `.foo`", ".exr .png"]);
     f.bad(1, "run -e white -o a", &["no extension"]);
     f.bad(1, "run -e white -o dir.exr", &["it is a directory"]);
     f.bad(1, "run -e white -o no/a.exr", &["there is no directory `no`", "mkdir"]);
@@ -137,7 +137,7 @@ fn inputs_that_cannot_be_read() {
     f.write("text.exr", "no image");
     f.bad(1, "run -e white -i none.exr", &["cannot read `none.exr`: there is no such file"]);
     f.bad(1, "run -e white -i .", &["it is a directory"]);
-    f.bad(1, "run -e white -i text.exr", &["`text.exr` is no image"]);
+    f.bad(1, "run -e white -i text.exr", &["`text.exr` is not an image"]);
     f.bad(1, "info none.exr", &["there is no such file"]);
     f.bad(1, "info .", &["it is a directory"]);
 }

@@ -95,8 +95,8 @@ fn what_is_wrong_is_told() {
     f.bad(1, "flow flat.pse", &["gives a scalar", "[x y z]", "flat.pse:1:1"]);
     f.write("hole.pse", "function velocity(p)\n    return p / (p.x > 2 ? 0 : 1)\n");
     f.bad(1, "flow hole.pse --step 0.5", &["velocity([2.", "is ["]);
-    f.bad(1, "run swirl.pse", &["nothing to write", "`pse flow`"]);
-    f.bad(2, "flow swirl.pse --step 0", &["leads nowhere"]);
+    f.bad(1, "run swirl.pse", &["has no output", "`pse flow`"]);
+    f.bad(2, "flow swirl.pse --step 0", &["is not possible"]);
     f.bad(2, "flow swirl.pse --grid 3x3", &["20x20x20"]);
     f.bad(2, "flow swirl.pse --grid 99999x99999x99999", &["too many points"]);
     f.bad(2, "flow swirl.pse --ball 99999999999", &["too many points"]);
@@ -161,5 +161,5 @@ fn images_are_looked_up_with_a_width() {
     // Where it goes wrong is a point, not a pixel.
     f.write("i.pse", "function velocity(p)\n    v = [1 2 3]\n    return v * v[p.x > 0.5 ? 7 : 0]\n");
     let said = f.pse("flow i.pse --ball 50").err;
-    assert!(said.contains("It happens at the point [0.") && !said.contains("pixel"), "{said}");
+    assert!(said.contains("This happens at the point [0.") && !said.contains("pixel"), "{said}");
 }

@@ -25,7 +25,7 @@ fn frames_that_are_whole_are_left_out() {
     fs::write(f.path("p.03.exr"), &bytes[2][..bytes[2].len() - 50]).expect("a file");
     let again = f.good(RUN);
     assert_eq!(written(&again.err), ["p.02.exr", "p.02.png", "p.03.exr", "p.03.png"], "{}", again.err);
-    assert!(again.err.contains("1 of 3 frames were there already"), "{}", again.err);
+    assert!(again.err.contains("skipped 1 of 3 frames"), "{}", again.err);
     assert!(["p.01.exr", "p.02.png", "p.03.exr"].map(|name| f.read(name)) == bytes, "the same bytes");
     // What changes no pixel changes nothing.
     for same in ["--threads 1", "--batch 16", "--no-optimize", "--keep-going"] {
@@ -72,12 +72,12 @@ fn only_some_files_know_their_run() {
     f.good(run);
     let again = f.good(run);
     assert_eq!(written(&again.err).len(), 2);
-    assert!(again.err.contains("a.1.jpg cannot hold the hash"), "{}", again.err);
+    assert!(again.err.contains("a.1.jpg has no room for the hash"), "{}", again.err);
     f.good("run -e white*frame --size 8x8 --frames 1-2 -o a.#.png");
     let run = "run -e white*frame --size 8x8 --frames 1-2 -o a.#.png --resume";
     assert_eq!(written(&f.good(run).err).len(), 2, "they were written without --resume");
-    f.bad(2, "run -e white -i - -o a.png --resume", &["--resume is for files"]);
-    f.bad(2, "run -e white -o - --resume", &["--resume is for files"]);
+    f.bad(2, "run -e white -i - -o a.png --resume", &["--resume cannot use standard input"]);
+    f.bad(2, "run -e white -o - --resume", &["--resume cannot use standard input"]);
 }
 
 const FAULTY: &str = "v = [1 2]\ncolor = white * v[frame == 2 || frame > 3 ? 3 : 1]\n";
@@ -197,7 +197,7 @@ fn numbers_of_frames_are_whole_and_exact() {
     // What is no number of a frame.
     f.bad(2, "run -e white --frame 1-3", &["`1-3` is a list of frames; use --frames 1-3"]);
     f.bad(2, "trace -e white --frame 1,5", &["use --frames 1,5"]);
-    f.bad(2, "run -e white --frame nan", &["`nan` is no frame"]);
+    f.bad(2, "run -e white --frame nan", &["`nan` is not a frame"]);
     f.bad(2, "run -e white --frames 1-3x0", &["a step of 0"]);
     f.bad(2, "run -e white --frames 1- -o a.#.png", &["a number is missing in `1-`"]);
     f.bad(2, "run -e white --frame 99999999999999999", &["too large for a frame"]);
@@ -224,7 +224,7 @@ fn a_single_file_says_its_frame() {
     f.write("p.pse", "color = white * frame + 0 * texture(\"t.####.exr\", 0.5, 0.5, channel = \"point\")\n");
     let told = f.good("run p.pse -i clean.0003.exr -o o.####.png").err;
     assert!(f.path("o.0003.png").exists(), "{told}");
-    assert!(told.contains("frame 3, as `clean.0003.exr` says; --frame gives another"), "{told}");
+    assert!(told.contains("using frame 3, from `clean.0003.exr`; --frame sets another"), "{told}");
     assert!(!f.good("run -e white -i clean.0003.exr -o o.png").err.contains("as `clean"), "nobody reads it");
     let traced = f.good("trace -e white*frame -i clean.0003.exr").text;
     assert!(traced.contains('3'), "{traced}");
@@ -244,7 +244,7 @@ fn folders_have_no_numbers() {
         f.good(&format!("run -e point -i {folder}/g.exr -o {folder}/o.exr"));
         f.good(&format!("run -e white -i {folder}/g.exr --frames 1-2 -o {folder}/o.##.exr"));
         f.good(&format!("run -e color -i {folder}/o.##.exr --frames 1-2 -o {folder}/p.##.exr"));
-        f.bad(2, &format!("run -e color -i {folder}/o.##.exr -o a.png"), &["place for the frame's number"]);
+        f.bad(2, &format!("run -e color -i {folder}/o.##.exr -o a.png"), &["needs a frame number"]);
         f.write("p.pse", &format!("color = texture(\"{folder}/g.exr\", 0.5, 0.5, channel = \"point\")\n"));
         f.good("run p.pse --size 4x4 -o a.png");
         f.write("p.pse", &format!("color = texture(\"{folder}/o.#.exr\", 0.5, 0.5)\n"));
@@ -277,10 +277,7 @@ fn a_missing_number_is_said_once() {
         let ended = f.pse(arguments);
         let running = ended.err.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(ended.code, 2, "{arguments}: {running}");
-        assert!(
-            running.contains(&format!("{name} has a place for the frame's number, and none is given")),
-            "{running}"
-        );
+        assert!(running.contains(&format!("{name} needs a frame number, and none is given")), "{running}");
         assert!(running.contains("--frame 1"), "{running}");
         assert_eq!(running.matches('×').count(), 1, "{arguments}: {running}");
     };
@@ -300,7 +297,7 @@ fn a_missing_number_is_said_once() {
     f.write("s.pse", "function density(p)\n    return texture(\"sky.####.exr\", 0, 0).x - length(p)\n");
     once("scene --iso s.pse -o a.exr", "the texture `sky.####.exr`");
     once("run -e white --iso s.pse -o a.exr", "the texture `sky.####.exr`");
-    f.bad(2, "run -e color -i i.####.exr --frame 2.5 -o a.png", &["no place for frame 2.5", "whole"]);
+    f.bad(2, "run -e color -i i.####.exr --frame 2.5 -o a.png", &["the frame is 2.5", "whole"]);
     f.good("run p.pse --size 4x4 --frame 1 -o a.png");
 }
 

@@ -83,7 +83,7 @@ fn outputs_by_the_names_of_other_languages() {
     }
     let said =
         f.pse_with(&["run", "-e", "Oi = 1", "-e", "color = white", "--size", "2x2", "-o", "a.exr"], b"").err;
-    assert!(said.contains("What is written is called `alpha` here."), "{said}");
+    assert!(said.contains("The output is called `alpha` here."), "{said}");
 }
 
 #[test]

@@ -85,10 +85,10 @@ fn what_no_farm_can_run_is_said() {
     f.bad(1, "job -e color=( -o j", &["never closed"]);
     f.bad(2, "job - -o j", &["standard input"]);
     f.bad(2, "job p.pse -i - -o j", &["standard input"]);
-    f.bad(2, "job p.pse --picture ../a.png -o j", &["does not lie in the folder", "OutputDir"]);
+    f.bad(2, "job p.pse --picture ../a.png -o j", &["is outside the job's output folder", "OutputDir"]);
     f.bad(2, "job p.pse --frames 1-9 --picture a.png -o j", &["####"]);
     f.bad(2, "job p.pse --frame 1 --picture a.#.png -o j", &["--frames 1"]);
-    f.bad(2, "job p.pse --repeat 3 -o j", &["--repeat", "a job has no use for it"]);
+    f.bad(2, "job p.pse --repeat 3 -o j", &["--repeat", "has no effect in a job"]);
     f.bad(2, "job p.pse --chunk 3 -o j", &["--frames"]);
     f.bad(2, "job p.pse --name {{a}} -o j", &["{{"]);
     f.bad(
@@ -98,10 +98,10 @@ fn what_no_farm_can_run_is_said() {
     );
     fs::create_dir(f.path("d.01")).expect("a folder");
     f.good("run -e white --size 4x4 -o d.01/a.01.exr");
-    f.bad(2, "job p.pse -i d.##/a.##.exr --frames 1 -o j", &["folder", "name of the file"]);
+    f.bad(2, "job p.pse -i d.##/a.##.exr --frames 1 -o j", &["folder", "file name"]);
     fs::create_dir(f.path("s")).expect("a folder");
     f.write("s/q.pse", "import \"../p.pse\"\ncolor = white\n");
-    f.bad(1, "job s/q.pse -o j", &["outside of the folders that this program may read", "--path"]);
+    f.bad(1, "job s/q.pse -o j", &["outside the folders that this program may read", "--path"]);
     assert!(!f.path("j/template.json").exists());
     f.write("s/q.pse", "import \"p.pse\"\ncolor = white\n");
     f.good("job s/q.pse --path . -o k");
@@ -190,7 +190,7 @@ fn a_bundle_is_made_anew() {
     assert_eq!(f.read("w.job/program/path-2/wood.png"), f.read("b/wood.png"));
     assert_eq!(f.read("w.job/output/kept.png"), b"a picture");
     // What is no bundle is left alone, and what fails leaves the old one.
-    f.bad(1, "job w.pse --path a -o mine", &["belongs to no bundle", "-o fire.job"]);
+    f.bad(1, "job w.pse --path a -o mine", &["is not part of a bundle", "-o fire.job"]);
     let before = f.read("w.job/template.json");
     f.write("up.pse", "color = texture(\"../wood.png\", 0, 0)\n");
     fs::copy(f.path("a/wood.png"), f.path("wood.png")).expect("a copy");
@@ -237,8 +237,8 @@ fn only_files_of_the_bundle_are_replaced() {
     {
         fs::create_dir_all(f.path(folder).join("program")).expect("a folder");
         f.write(&format!("{folder}/{name}"), "mine");
-        f.untouched(1, &format!("job p.pse -o {folder}"), &["belongs to no bundle", "-o fire.job"]);
-        f.untouched(1, &format!("job p.pse -o {folder} --force"), &["belongs to no bundle"]);
+        f.untouched(1, &format!("job p.pse -o {folder}"), &["is not part of a bundle", "-o fire.job"]);
+        f.untouched(1, &format!("job p.pse -o {folder} --force"), &["is not part of a bundle"]);
     }
     f.write("a/pse-bundle.json", "{}");
     f.untouched(1, "job p.pse -o a", &["`a/pse-bundle.json` does not list the files of a bundle"]);
@@ -260,7 +260,7 @@ fn only_files_of_the_bundle_are_replaced() {
     // A file in the way of a new one.
     f.write("p.pse", "import \"lib/more.txt\"\nimport \"lib/q.pse\"\ncolor = q()\n");
     f.write("lib/more.txt", "a = 1\n");
-    f.untouched(1, "job p.pse -o j", &["`j/program/lib/more.txt` exists, and belongs to no bundle"]);
+    f.untouched(1, "job p.pse -o j", &["`j/program/lib/more.txt` exists, and is not part of a bundle"]);
     // What was changed by hand is replaced only with --force.
     f.write("p.pse", "color = red\n");
     f.write("j/template.json", "{}");
@@ -277,8 +277,8 @@ fn only_files_of_the_bundle_are_replaced() {
         f.write("far/p.pse", "color = red\n");
         fs::remove_dir_all(f.path("j/program")).expect("a folder");
         std::os::unix::fs::symlink("../far", f.path("j/program")).expect("a link");
-        f.untouched(1, "job p.pse -o j", &["`j/program` exists, and belongs to no bundle"]);
-        f.untouched(1, "job p.pse -o j --force", &["belongs to no bundle"]);
+        f.untouched(1, "job p.pse -o j", &["`j/program` exists, and is not part of a bundle"]);
+        f.untouched(1, "job p.pse -o j --force", &["is not part of a bundle"]);
         std::os::unix::fs::symlink("k.far", f.path("k")).expect("a link");
         fs::create_dir(f.path("k.far")).expect("a folder");
         f.good("job p.pse -o k -q");
@@ -294,7 +294,7 @@ fn sources_in_the_bundle_are_refused() {
     f.write("lib.pse", "function q()\n    return white\n");
     f.good("job p.pse -o j -q");
     f.write("j/program/notes.txt", "mine");
-    let inside = ["lies in the folder of the bundle", "Give another folder with -o"];
+    let inside = ["is in the folder of the bundle", "Give another folder with -o"];
     f.untouched(1, "job j/program/p.pse -o j", &inside);
     f.untouched(1, "job p.pse -o .", &inside);
     f.good("run -e white --size 4x4 -o j/program/t.png -q");
@@ -487,7 +487,7 @@ fn files_of_others_among_the_staged_ones_stay() {
         let _ = next;
         let ended = f.pse("job p.pse -o j");
         assert_eq!(ended.code, 1, "{}", ended.err);
-        assert!(ended.err.contains("is none of the files that pse put there"), "{}", ended.err);
+        assert!(ended.err.contains("is not a file that pse put there"), "{}", ended.err);
         assert!(f.path("j/.pse-staged").join(mine).exists(), "{mine}");
         assert!(!f.path("j/.pse-staged/program/p.pse").exists(), "what is listed is removed");
         fs::rename(f.path("j/.pse-staged").join(mine), f.path(&mine.replace('/', "-"))).expect("moved");
@@ -502,7 +502,7 @@ fn a_refused_bundle_leaves_nothing() {
     let f = Folder::new();
     f.write("p.pse", "color = white\n");
     f.write("p.job", "mine");
-    f.untouched(1, "job p.pse -o p.job", &["`p.job` is no folder", "-o fire.job"]);
+    f.untouched(1, "job p.pse -o p.job", &["`p.job` is not a folder", "-o fire.job"]);
     f.untouched(1, "job p.pse -o p.job/a", &["p.job"]);
     // The program would not find its import in a bundle, which is found out late.
     fs::create_dir(f.path("lib")).expect("a folder");

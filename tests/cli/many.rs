@@ -35,5 +35,5 @@ fn folders_to_search() {
     assert!(ended.code == 1 && ended.err.contains("no0.png"), "{}", ended.err);
     let ended = with(257);
     assert_eq!(ended.code, 2);
-    assert!(ended.err.contains("--path is given 257 times, and 256 are the limit"), "{}", ended.err);
+    assert!(ended.err.contains("--path is given 257 times; the limit is 256"), "{}", ended.err);
 }

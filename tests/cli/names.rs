@@ -34,7 +34,7 @@ fn the_systems_names_are_the_systems() {
         f.good("run -e color=[frame,pixel.x,resolution.y] -i g.exr --frame 7 --region 0,0,1,1 -o a.exr").err;
     assert_eq!(f.planes("a.exr", "color").concat(), [7.0, 0.5, 2.0]);
     for name in ["frame", "pixel", "resolution"] {
-        let note = format!("`{name}` is what the system provides, not the channel of that name in g.exr");
+        let note = format!("`{name}` is the value of the system, not the channel of g.exr");
         assert!(said.contains(&note) && said.contains(&format!("--map NAME={name}")), "{said}");
     }
     f.good("run -e color=white*pass -i g.exr --map pass=frame --frame 7 -o b.exr");
@@ -54,9 +54,9 @@ fn a_list_has_what_programs_can_read() {
     let said = f.good("info g.exr").text;
     assert!(!said.contains("(if") && said.contains("(Combined.x)"), "{said}");
     for note in [
-        "note: `if` cannot be read in programs: read the channels with --map NAME=CHANNELS.",
+        "note: `if` cannot be read in programs: rename the channels with --map NAME=CHANNELS.",
         "note: `return` cannot be read in programs",
-        "note: `frame` is the system's in programs",
+        "note: `frame` is a name of the system in programs",
     ] {
         assert!(said.contains(note), "{said}");
     }
@@ -105,7 +105,7 @@ fn frames_of_another_size_are_noted() {
     }
     let said = f.good("run -e color -i g.#.exr --frames 1-4 -o a.#.exr").err;
     assert_eq!(said.matches("the first frame is 4x4").count(), 1, "{said}");
-    assert!(said.contains("frame 3 is 5x5, and the first frame is 4x4"), "{said}");
+    assert!(said.contains("frame 3 is 5x5, but the first frame is 4x4"), "{said}");
     assert!(!f.good("run -e color -i g.#.exr --frames 3-4 -o a.#.exr").err.contains("first frame"));
 }
 
@@ -116,11 +116,11 @@ fn one_frame_needs_one_number() {
         exr(&f, name, 2, &[("", "", RGB)]);
     }
     let said = f.good("run -e color*frame -i g.0003.exr -i h.0004.exr -o a.exr").err;
-    assert!(said.contains("`g.0003.exr` is of frame 3 and `h.0004.exr` of frame 4, so frame is 0"), "{said}");
+    assert!(said.contains("`g.0003.exr` has frame 3 and `h.0004.exr` has frame 4, so frame is 0"), "{said}");
     assert!(
         !f.good("run -e color*frame -i g.0003.exr -i h.0004.exr --frame 5 -o a.exr")
             .err
-            .contains("is of frame")
+            .contains("so frame is 0")
     );
     f.good("run -e white*frame -i f.0001.left.exr -o b.exr");
     assert_eq!(f.planes("b.exr", "color")[0][0], 1.0);

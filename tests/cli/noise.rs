@@ -80,7 +80,7 @@ fn wrong_arguments_are_said_and_leave_no_file() {
     f.bad(2, "noise gradient --set period=2.5 -o a.png", &["period must be a whole number"]);
     f.bad(2, "noise gradient --dimensions 5 -o a.png", &["1..=4"]);
     f.bad(2, "noise gradient --size 9 -o a.png", &["64..=1024"]);
-    f.bad(1, "noise gradient -o a.qqq", &["`.qqq` is no format"]);
+    f.bad(1, "noise gradient -o a.qqq", &["unknown format `.qqq`"]);
     f.bad(1, "noise gradient -o none/a.png", &["there is no directory `none`"]);
     assert_eq!(std::fs::read_dir(f.path("")).map(|all| all.count()).ok(), Some(0));
 }

@@ -131,12 +131,12 @@ fn under_whatever_name() {
     f.bad(
         2,
         "run -e white --size 4x4 -o z.png -o ./z.png",
-        &["the outputs `z.png` and `./z.png` are one file"],
+        &["the outputs `z.png` and `./z.png` are the same file"],
     );
-    f.bad(2, "run -e white --size 4x4 -o d/z.png -o e/z.png", &["are one file"]);
+    f.bad(2, "run -e white --size 4x4 -o d/z.png -o e/z.png", &["are the same file"]);
     f.write("x.pse", "function velocity(p)\n    return p\n");
-    f.bad(2, "flow x.pse --ball 3 -o z.png -o d/../z.png", &["are one file"]);
-    f.bad(2, "join g.exr -o z.exr -o ./z.exr", &["are one file"]);
+    f.bad(2, "flow x.pse --ball 3 -o z.png -o d/../z.png", &["are the same file"]);
+    f.bad(2, "join g.exr -o z.exr -o ./z.exr", &["are the same file"]);
     // What a link leads to takes the output, whether it is there or not, and the link stays.
     symlink("later.png", f.path("link.png")).expect("a link");
     f.good("run -e white --size 4x4 -o link.png");

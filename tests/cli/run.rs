@@ -8,7 +8,7 @@ const SMALL: &str = "--size 64x48";
 fn expressions_and_the_default_scene() {
     let f = Folder::new();
     let ended = f.good("run -e white*(point.x>0) --size 64x48");
-    assert!(ended.err.contains("no input: this is the scene donut"), "{}", ended.err);
+    assert!(ended.err.contains("no input: using the scene donut"), "{}", ended.err);
     assert!(ended.err.contains("wrote out.png (64x48)"), "{}", ended.err);
     assert!(ended.out.is_empty());
     let image = load(&f.path("out.png"));
@@ -63,8 +63,8 @@ fn params_are_set_by_expressions() {
     assert_eq!([color[0][0], color[1][0]], [8.0, 4.0]);
     f.bad(1, "run p.pse --set tnt=1", &["the program has no param `tnt`", "Did you mean `tint`?"]);
     f.bad(2, "run p.pse --set k", &["--set k has no =", "--set veins=6"]);
-    f.bad(2, "run p.pse --set k=", &["is no value"]);
-    f.bad(2, "run p.pse --set k=y=3", &["is no value"]);
+    f.bad(2, "run p.pse --set k=", &["is not a value"]);
+    f.bad(2, "run p.pse --set k=y=3", &["is not a value"]);
     f.bad(1, "run p.pse --set k=(1", &["--set k:1:1", "never closed"]);
     f.bad(2, "run p.pse --set k=point", &["--set cannot read pixels", "`point`"]);
 }
@@ -83,8 +83,8 @@ fn variables_are_chosen() {
     f.good(&format!("run v.pse -o grey.png --vars near {SMALL}"));
     f.good(&format!("run v.pse -o way.png --vars way {SMALL}"));
     f.bad(1, "run v.pse -o a.png", &["assigns no color", "It assigns near, way, pair.", "--vars pair"]);
-    f.bad(1, "run v.pse -o a.png --vars near,way", &["near and way", "An .exr file holds them all"]);
-    f.bad(1, "run v.pse -o a.png --vars pair --size 8x8", &["pair is", "no picture shows"]);
+    f.bad(1, "run v.pse -o a.png --vars near,way", &["near and way", "Write an .exr file"]);
+    f.bad(1, "run v.pse -o a.png --vars pair --size 8x8", &["pair is", "a picture cannot show"]);
     f.bad(1, "run v.pse -o a.exr --vars nar --size 8x8", &["no variable `nar`", "Did you mean `near`?"]);
 }
 
@@ -93,7 +93,7 @@ fn a_normal_alone_is_shown() {
     let f = Folder::new();
     let ended = f.good("run -e normal=normal+[0,0,1] --size 16x12 -o n.png");
     assert!(ended.err.contains("assigns no color"), "{}", ended.err);
-    assert!(ended.err.contains("by the normal"), "{}", ended.err);
+    assert!(ended.err.contains("shaded with the program's normal"), "{}", ended.err);
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn a_region_is_a_cut_of_the_whole() {
             }
         }
     }
-    f.bad(2, "run r.pse --region 1,2", &["no region", "320x240+0+0"]);
+    f.bad(2, "run r.pse --region 1,2", &["is not a region", "320x240+0+0"]);
     f.bad(2, "run r.pse --region 9,9,3,3", &["no pixels"]);
     f.bad(1, "run r.pse --region 700,9,800,30 -o a.exr", &["outside the image", "0,0,640,480"]);
 }
@@ -178,7 +178,7 @@ fn frames_in_step_with_names() {
     f.good("run -e white*frame --frames 2-6x4 --size 8x8");
     assert!(f.path("out.0006.png").exists());
     f.bad(2, "run -e white --frames 1-3 -o a.png", &["3 frames", "a.png", "-o out.####.png"]);
-    f.bad(2, "run -e white -o o.##.png", &["o.##.png has a place for the frame's number", "--frame 1"]);
+    f.bad(2, "run -e white -o o.##.png", &["o.##.png needs a frame number", "--frame 1"]);
     f.bad(2, "run -e white --frame 7.5 -o s.##.exr", &["s.##.exr", "7.5"]);
     f.bad(2, "run -e white --frames 1..3", &["1-20x2"]);
     f.bad(2, "run -e white --frames 1-3 --frame 2", &["cannot be used with"]);
@@ -228,7 +228,7 @@ fn the_view_of_a_scene() {
     f.bad(2, "run -e white --size 8x8 -i c.exr", &["need a --scene"]);
     f.bad(2, "run -e white --look-at 0,0,0 -i c.exr", &["--look-at needs --eye"]);
     f.bad(2, "run -e white --eye 0,-5,0 --fov 30 -i c.exr", &["--fov needs --look-at"]);
-    f.bad(2, "run -e white --scene donut -i c.exr", &["two inputs for one"]);
+    f.bad(2, "run -e white --scene donut -i c.exr", &["cannot be combined"]);
 }
 
 #[test]
@@ -256,7 +256,7 @@ fn wrong_programs() {
     let f = Folder::new();
     f.write("empty.pse", "");
     f.write("two.pse", "color = wite\nx = (1 +\n");
-    f.bad(1, "run empty.pse", &["gives nothing to write", "Assign to `color`"]);
+    f.bad(1, "run empty.pse", &["has no output", "Assign to `color`"]);
     f.bad(1, "run two.pse", &["two.pse:2"]);
     f.bad(1, "run -e color=wite", &["<command line>:1:7", "Did you mean `white`?"]);
     f.bad(1, "run none.pse", &["cannot read `none.pse`: there is no such file"]);
@@ -269,7 +269,7 @@ fn wrong_programs() {
     // At run time the pixel is named.
     f.bad(1, "run -e color=[1,2,3][pixel.x] --size 8x8", &["at pixel [3 0]"]);
     std::fs::write(f.path("bin.pse"), [0u8, 159, 146, 150]).expect("a file");
-    f.bad(1, "run bin.pse", &["no UTF-8 text", "given with -i"]);
+    f.bad(1, "run bin.pse", &["not UTF-8 text", "with -i"]);
 }
 
 #[test]

@@ -21,13 +21,13 @@ color = surface * (0.5 + 0.5 * normal)";
         told
     };
     let told = good("scene --iso ball.pse --size 32x24 --stats");
-    assert!(told.contains("wrote ball.exr (32x24)") && told.contains("density asked at"), "{told}");
+    assert!(told.contains("wrote ball.exr (32x24)") && told.contains("density evaluated at"), "{told}");
     for mesh in ["a.obj", "a.ply", "a.glb"] {
         let told = good(&format!("scene --iso ball.pse -o {mesh} --resolution 16 --set size=0.7"));
         assert!(told.contains("triangles)") && path(mesh).exists(), "{told}");
     }
     let told = good("scene --iso ball.pse --size 8x8 --level 5 -o none.exr");
-    assert!(told.contains("nothing of the solid is seen"), "{told}");
+    assert!(told.contains("no pixel shows the solid"), "{told}");
     // One program for both; one for each, with what either has set; what was written, painted.
     good("run ball.pse --iso ball.pse --size 32x24 -o both.exr --samples 2");
     good("run look.pse --iso ball.pse --size 32x24 -o each.exr --set size=0.5 --set tint=2");
@@ -41,9 +41,9 @@ color = surface * (0.5 + 0.5 * normal)";
         let (code, told) = run(words);
         assert!(code != Some(0) && told.contains(part), "{words}: {told}");
     };
-    fails("run ball.pse --iso ball.pse --scene donut", "two inputs for one");
-    fails("scene --iso ball.pse --soft -o a.ply", "no surface for a mesh");
-    fails("scene --iso ball.pse --level 5 -o b.ply", "no surface in the box");
+    fails("run ball.pse --iso ball.pse --scene donut", "cannot be combined");
+    fails("scene --iso ball.pse --soft -o a.ply", "cannot be written as a mesh");
+    fails("scene --iso ball.pse --level 5 -o b.ply", "the box contains no surface");
     fails("scene --iso ball.pse --box 1,2,3 -o b.exr", "six numbers");
     fails("scene --iso look.pse -o b.exr", "no function `density(point)`");
     fails("run look.pse --iso ball.pse --set nothing=1 -o b.png", "no param `nothing`");

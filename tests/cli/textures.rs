@@ -40,10 +40,10 @@ fn beside_the_program_then_in_the_folders_of_path() {
     write(&absolute.display().to_string());
     f.good(&format!("run a/p.pse --path {} {ONE}", absolute.parent().unwrap().display()));
     assert_eq!(red(&f), 3.0);
-    f.bad(1, &format!("run a/p.pse {ONE}"), &["outside of the folders that this program may read"]);
+    f.bad(1, &format!("run a/p.pse {ONE}"), &["outside the folders that this program may read"]);
     for name in ["../outside.exr", "maps/../../outside.exr"] {
         write(name);
-        f.bad(1, &format!("run a/p.pse --path b {ONE}"), &["outside of the folders"]);
+        f.bad(1, &format!("run a/p.pse --path b {ONE}"), &["outside the folders"]);
     }
     write("tow.exr");
     f.bad(
@@ -77,7 +77,7 @@ fn a_frame_has_its_own_texture() {
         "run p.pse --frame 3 --scene card --size 1x1 -o out.exr",
         &["sky.0003.exr", "there is no such file"],
     );
-    f.bad(2, "run p.pse --frame 1.5 --scene card --size 1x1 -o out.exr", &["has no place for frame 1.5"]);
+    f.bad(2, "run p.pse --frame 1.5 --scene card --size 1x1 -o out.exr", &["the frame is 1.5"]);
 }
 
 #[test]

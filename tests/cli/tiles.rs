@@ -78,11 +78,11 @@ fn what_does_not_go_together_is_said() {
     f.bad(
         1,
         "join t.{tile}.exr --tiles 2x2 -o a.exr",
-        &["t.3.exr", "there is no such file", "before they are joined"],
+        &["t.3.exr", "there is no such file", "Render the missing tile first."],
     );
     f.bad(1, "join t.1.exr t.2.exr t.4.exr -o a.exr", &["300 of the pixels 0,0,40,30 are in no tile"]);
     f.bad(2, "join t.1.exr t.2.exr --tiles 2x2 -o a.exr", &["2x2 are 4 tiles, and 2 are given"]);
-    f.bad(2, "join t.{tile}.exr -o a.exr", &["stands for several tiles", "--tiles"]);
+    f.bad(2, "join t.{tile}.exr -o a.exr", &["matches several tiles", "--tiles"]);
     f.bad(1, "join t.1.exr t.2.exr -o part.exr", &["of a picture of 40x30", "--tiles", "--partial"]);
     let part = f.good("join t.1.exr t.2.exr --partial -o part.exr");
     assert!(part.err.contains("the tiles hold 0,0,40,15 of a picture of 40x30"), "{}", part.err);
@@ -93,14 +93,14 @@ fn what_does_not_go_together_is_said() {
     f.good("run -e point --size 40x40 --tile 2/1x2 -o s.{tile}.exr");
     f.bad(1, "join u.1.exr s.2.exr -o a.exr", &["different pictures", "display windows"]);
     f.good("run -e point --size 40x30 -o w.png");
-    f.bad(1, "join w.png -o a.exr", &["is no tile", ".exr"]);
+    f.bad(1, "join w.png -o a.exr", &["is not a tile", ".exr"]);
     f.bad(1, "join part.exr --partial -o part.exr", &["the output `part.exr` is the input", "--force"]);
     f.bad(1, "run -e point --size 3x3 --tile 1/4x1 -o v.{tile}.exr", &["3x3 pixels cannot be cut into 4x1"]);
     f.bad(2, "run -e point --tile 5/2x2 -o v.{tile}.exr", &["no tile `5` of 2x2"]);
-    f.bad(2, "run -e point --tile 1/2x2 -o v.exr", &["cannot all be written", "{tile}"]);
+    f.bad(2, "run -e point --tile 1/2x2 -o v.exr", &["would all be written", "{tile}"]);
     f.bad(2, "join t.1.exr -o a.####.png", &["--frames"]);
-    f.bad(2, "join t.1.exr --frames 1-2 -o a.png", &["cannot all be written"]);
-    f.bad(1, "join t.1.exr -o a.gif", &["no format"]);
+    f.bad(2, "join t.1.exr --frames 1-2 -o a.png", &["would all be written"]);
+    f.bad(1, "join t.1.exr -o a.gif", &["unknown format"]);
     assert!(!f.path("a.exr").exists());
     // Without names the tiles are called by the program, each with its number.
     f.write("p.pse", "color = point\n");

@@ -69,10 +69,7 @@ fn the_text() {
     assert!(deep.contains("\n   3               return x / 2          returns 1.75\n"), "{deep}");
     assert_eq!(good(folder.path(), "trace p.pse --pixel 3,4 --size 8x8 --scene vase --depth 1").0, deep);
     let (short, _) = good(folder.path(), "trace p.pse --size 8x8 --scene vase --limit 4");
-    assert!(
-        short.starts_with("pixel 4,4 of") && short.contains("events are left out (--limit 4)"),
-        "{short}"
-    );
+    assert!(short.starts_with("pixel 4,4 of") && short.contains("events omitted (--limit 4)"), "{short}");
 }
 
 #[test]
@@ -181,7 +178,10 @@ fn values_are_those_that_a_run_writes() {
         }
     }
     let (code, _, err) = pse(folder.path(), &["trace", "near.pse", "-i", &cropped, "--pixel", "0,0"]);
-    assert!(code == 2 && err.contains("there is no pixel 0,0") && err.contains("They go from "), "{err}");
+    assert!(
+        code == 2 && err.contains("there is no pixel 0,0") && err.contains("The pixels go from "),
+        "{err}"
+    );
     let (code, _, err) = pse(folder.path(), &["trace", "near.pse", "--pixel", "12"]);
     assert!(code == 2 && err.contains("a pixel is a column and a row: 320,200"), "{err}");
 }

@@ -254,7 +254,7 @@ fn a_change_elsewhere_is_not_replaced_unasked() {
     };
     assert_eq!(state["text"], "color = [0 1 0]\n");
     let (status, why) = preview.post("save", &json!({"text": "color = [0 1 0]\n", "saves": 0}));
-    assert!(status == 400 && why.contains("changed elsewhere"), "{why}");
+    assert!(status == 400 && why.contains("changed by another program"), "{why}");
     assert_eq!(fs::read_to_string(preview.folder.path().join("p.pse")).unwrap(), "color = [0 0 1]\n");
     assert_eq!(preview.post("save", &json!({"text": "color = [0 1 0]\n", "saves": state["saves"]})).0, 200);
     assert_eq!(fs::read_to_string(preview.folder.path().join("p.pse")).unwrap(), "color = [0 1 0]\n");

@@ -45,7 +45,7 @@ fn checking() {
     assert!(f.good("check -v good.pse good.pse").err.contains("2 programs checked"));
     f.bad(1, "check good.pse bad.pse worse.pse", &["bad.pse:1:17", "Did you mean `point`?", "worse.pse:1"]);
     let ended = f.good("check own.pse");
-    assert!(ended.err.contains("nothing in the program assigns `temperature`"), "{}", ended.err);
+    assert!(ended.err.contains("the program does not assign `temperature`"), "{}", ended.err);
     f.good("check good.pse --scene donut");
     f.bad(1, "check own.pse --scene donut", &["no variable `temperature`", "The scene donut has surface"]);
     f.good("scene card -o c.exr --size 4x4 -q");
@@ -147,5 +147,5 @@ fn check_knows_where_the_eye_may_be() {
     f.good("run blind.pse -i g.exr --vars point -o plain.png");
     f.write("only.pse", "color = direction(point - eye)\n");
     let told = f.good("check only.pse -i plain.png --map point=R,G,B").err;
-    assert!(told.contains("where the eye is") && told.contains("worldToCamera"), "{told}");
+    assert!(told.contains("position of the eye") && told.contains("worldToCamera"), "{told}");
 }

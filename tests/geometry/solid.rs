@@ -307,7 +307,7 @@ fn errors_say_what_to_do() {
     let vector = fails("function density(p)\n    return p", &plain, &[]);
     assert_eq!(
         vector,
-        "`density(point)` gives a vector of 3; It gives a number: more than the level inside."
+        "`density(point)` gives a vector of 3; Return one number: above the level inside, below it outside."
     );
     let nan = fails("function density(p)\n    return p.x < 0.3 ? 1 : sqrt(-1 - p.x)", &plain, &[]);
     assert!(nan.starts_with("`density` is NaN at "), "{nan}");

@@ -463,7 +463,7 @@ fn runaway_programs_end_soon() {
     for (text, word) in [
         ("t = 0\nwhile 1\n    t += 1\ncolor = t", "steps"),
         ("t = pixel.x\nwhile pixel.x > 300\n    t += sin(t)\ncolor = t", "steps"),
-        ("function f(x)\n    return f(x + 1)\ncolor = f(pixel.x)", "deeper"),
+        ("function f(x)\n    return f(x + 1)\ncolor = f(pixel.x)", "nested"),
         (
             "function f(x)\n    if x > 25\n        return 1\n    return f(x + 1) + f(x + 1)\ncolor = f(0)",
             "steps",

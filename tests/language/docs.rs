@@ -5,6 +5,8 @@
 //! - A block marked `pse error` must be refused, or fail at some pixel.
 //! - A block whose first line is `# name.pse` can be imported by the others of its file.
 //! - A block marked `rust` in docs/tutorial.md is a part of examples/embed.rs, line for line.
+//!
+//! What a user reads (documents, help pages, messages) also does without the phrases in [`AVOIDED`].
 
 use pse::Origin;
 use pse::internal::host::{Disk, Memory};
@@ -228,4 +230,149 @@ fn links_in_the_documentation_lead_somewhere() {
             assert!(path.parent().unwrap().join(file).exists(), "{shown}: there is no {link}");
         }
     }
+}
+
+/// Words and phrases of this project's older texts that say less than a plain verb: "tells of" for "describes", "so many"
+/// for a number, "the like" for a list. The command, its messages and the documents do without them.
+const AVOIDED: [&str; 10] =
+    ["told", "tells", "so many", "the like", "nobody", "wanted", "is asked", "goes on", "left out", "anew"];
+
+/// Where an avoided phrase stands in a text, as whole words, whatever the case and the line breaks between its words.
+fn avoided(text: &str) -> impl Iterator<Item = &'static str> {
+    let word = |c: char| c.is_alphanumeric() || "_`{}".contains(c);
+    let words: Vec<String> = text.split_whitespace().map(str::to_lowercase).collect();
+    let text = format!(" {} ", words.join(" "));
+    AVOIDED.into_iter().filter(move |phrase| {
+        text.match_indices(phrase)
+            .any(|(at, _)| !text[..at].ends_with(word) && !text[at + phrase.len()..].starts_with(word))
+    })
+}
+
+/// A document without its code.
+fn prose(text: &str) -> String {
+    let fences = text.split("```").step_by(2).flat_map(|part| part.split('`').step_by(2));
+    fences.collect::<Vec<_>>().join(" ")
+}
+
+/// The help of the command and of its subcommands, each with its name.
+fn help_pages() -> Vec<(String, String)> {
+    let help = |words: &[&str]| {
+        let run = std::process::Command::new(env!("CARGO_BIN_EXE_pse")).args(words).arg("--help").output();
+        String::from_utf8(run.expect("the command runs").stdout).expect("text")
+    };
+    let main = help(&[]);
+    let commands =
+        main.split("Commands:").nth(1).and_then(|rest| rest.split("Options:").next()).expect("commands");
+    // A name is indented by two; what goes on below a description is indented by more.
+    let names = commands.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let names: Vec<&str> = names.filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(names.contains(&"run") && names.contains(&"man"), "{names:?}");
+    let pages = names
+        .iter()
+        .filter(|name| **name != "help")
+        .map(|name| (format!("pse {name} --help"), help(&[name])));
+    pages.chain([("pse --help".to_string(), main.clone())]).collect()
+}
+
+/// The files below a folder with that extension.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let mut list = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            list.extend(files(&path, extension));
+        } else if path.extension().is_some_and(|e| e == extension) {
+            list.push(path);
+        }
+    }
+    list.sort();
+    list
+}
+
+/// The string literals of a Rust source with more than one word, up to its tests: messages, help and documentation.
+fn sentences(source: &str) -> Vec<String> {
+    let source = source.split("#[cfg(test)]\nmod ").next().unwrap_or(source);
+    let mut list = Vec::new();
+    let mut rest = source;
+    while let Some(at) = rest.find(['"', '/', '\'']) {
+        let (before, here) = rest.split_at(at);
+        let end = |text: &str, mark: &str| text.find(mark).map_or(text.len(), |end| end + mark.len());
+        let length = if here.starts_with("//") {
+            end(here, "\n")
+        } else if here.starts_with("/*") {
+            end(here, "*/")
+        } else if here.starts_with("'\"'") || here.starts_with("'\\") {
+            1 + end(&here[2..], "'") + 1
+        } else if let Some(inside) = here.strip_prefix('"') {
+            let hashes = before.len() - before.trim_end_matches('#').len();
+            let raw = before.trim_end_matches('#').ends_with('r');
+            let close = match raw {
+                true => inside.find(&format!("\"{}", "#".repeat(hashes))).expect("a closed literal"),
+                false => {
+                    let mut escaped = false;
+                    let ends = |&(_, c): &(usize, char)| {
+                        let ends = c == '"' && !escaped;
+                        escaped = c == '\\' && !escaped;
+                        ends
+                    };
+                    inside.char_indices().find(ends).expect("a closed literal").0
+                }
+            };
+            let text = inside[..close].replace("\\\n", "").replace("\\n", " ");
+            if text.contains(' ') {
+                list.push(text);
+            }
+            close + 2
+        } else {
+            1
+        };
+        rest = &here[length..];
+    }
+    list
+}
+
+#[test]
+fn what_a_user_reads_is_plain_english() {
+    let root = root();
+    let mut texts = help_pages();
+    let mut named = |path: &Path, text: String| {
+        texts.push((path.strip_prefix(root).unwrap_or(path).display().to_string(), text));
+    };
+    let written = [root.join("CONTRIBUTING.md"), root.join("CHANGELOG.md")];
+    for path in documents().iter().chain(&written) {
+        named(path, prose(&fs::read_to_string(path).unwrap()));
+    }
+    for path in files(&root.join("tests/errors"), "snap") {
+        named(&path, fs::read_to_string(&path).unwrap());
+    }
+    for path in files(&root.join("src"), "rs").iter().filter(|path| !path.to_string_lossy().contains("tests"))
+    {
+        let source = fs::read_to_string(path).unwrap();
+        sentences(&source).into_iter().for_each(|text| named(path, text));
+    }
+    for path in files(&root.join("src/library"), "pse").iter().chain(&files(&root.join("examples"), "pse")) {
+        let text = fs::read_to_string(path).unwrap();
+        let comments = text.lines().filter_map(|line| line.split_once('#')).map(|(_, comment)| comment);
+        named(path, comments.collect::<Vec<_>>().join(" "));
+    }
+    assert!(texts.len() > 2000, "only {} texts were found", texts.len());
+    let found: Vec<String> = texts
+        .iter()
+        .flat_map(|(name, text)| {
+            avoided(text).map(move |phrase| format!("{name}: \"{phrase}\" in {text:.300}"))
+        })
+        .collect();
+    assert!(found.is_empty(), "write it more plainly:\n{}", found.join("\n"));
+}
+
+#[test]
+fn avoided_phrases_are_found_as_whole_words() {
+    let found = |text: &str| avoided(text).collect::<Vec<_>>();
+    assert_eq!(found("The rest is\ntold in so  Many words."), ["told", "so many"]);
+    assert_eq!(found("`{wanted}` is unwanted, retold_by `told`"), [] as [&str; 0]);
+    assert_eq!(
+        sentences("let a = ('\"', \"one // two\"); // \"no \\n comment\"\nr#\"a \"b\"\"#;"),
+        ["one // two", "a \"b\""]
+    );
+    assert_eq!(prose("a `told` b\n```pse\n# told\n```\nc"), "a   b\n \nc");
 }

@@ -86,7 +86,7 @@ fn lamp() -> HostFunction {
     HostFunction::for_pixel("lamp", &["x"], |args| match args[0].as_scalar() {
         Some(x) if x > 0.5 => Ok(x.into()),
         Some(x) => Err(format!("the lamp is out at {x}")),
-        None => Err(format!("a number is wanted, not {}", args[0])),
+        None => Err(format!("a number is expected, not {}", args[0])),
     })
 }
 

@@ -228,7 +228,7 @@ fn progress_reaches_the_end() {
 #[test]
 fn a_host_may_add_functions_of_a_pixel() {
     let lookup = HostFunction::for_pixel("lookup", &["i", "table"], |args| {
-        let i = args[0].as_scalar().ok_or("a number is wanted")?;
+        let i = args[0].as_scalar().ok_or("a number is expected")?;
         let table = args[1].cells();
         table.get(i as usize).map(|&x| PixelValue::from([x, i])).ok_or_else(|| format!("nothing at {i}"))
     });
@@ -250,7 +250,7 @@ fn a_host_may_add_functions_of_a_pixel() {
 #[test]
 fn a_host_functions_shape_may_change_from_pixel_to_pixel() {
     let count = HostFunction::for_pixel("count", &["n"], |args| {
-        let n = args[0].as_scalar().ok_or("a number is wanted")?;
+        let n = args[0].as_scalar().ok_or("a number is expected")?;
         Ok(PixelValue::from(&vec![1.0; n as usize][..]))
     });
     let program =

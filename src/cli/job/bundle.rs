@@ -112,11 +112,11 @@ fn check_names(bundle: &Path, known: Option<&Manifest>) -> Result<(), Failure> {
             name == STAGED || list.files.contains_key(place) || list.folders.contains(place)
         };
         if fs::symlink_metadata(&path).is_ok() && !known.is_some_and(listed) {
-            let message = format!("`{}` exists, and belongs to no bundle of pse", path.display());
-            let failure = Failure::plain(message).hint("Give a folder for the bundle alone: -o fire.job.");
+            let message = format!("`{}` exists, and is not part of a bundle of pse", path.display());
+            let failure = Failure::plain(message).hint("Give a folder of its own: -o fire.job.");
             return Err(match bundle.join(TEMPLATE).exists() && known.is_none() {
                 true => failure.hint(format!(
-                    "A bundle without {} is of an older pse, or of another program: move it away to write a new one.",
+                    "A bundle without {} was written by an older pse or by another program. Move it away first.",
                     manifest::NAME
                 )),
                 false => failure,
@@ -129,8 +129,8 @@ fn check_names(bundle: &Path, known: Option<&Manifest>) -> Result<(), Failure> {
 /// Refuses a file where a folder of the bundle has to be.
 fn check_folder(path: &Path) -> Result<(), Failure> {
     match path.exists() && !path.is_dir() {
-        true => Err(Failure::plain(format!("`{}` is no folder", path.display()))
-            .hint("Give a folder for the bundle alone: -o fire.job.")),
+        true => Err(Failure::plain(format!("`{}` is not a folder", path.display()))
+            .hint("Give a folder of its own: -o fire.job.")),
         false => Ok(()),
     }
 }
@@ -244,8 +244,8 @@ fn finish_interrupted(bundle: &Path, old: &Manifest) -> Result<(), Failure> {
     match remove_staged(&staged)? {
         None => Ok(()),
         Some(foreign) => {
-            Err(Failure::plain(format!("`{}` is none of the files that pse put there", foreign.display()))
-                .hint("Move it away: the folder is for files that are on the way into the bundle."))
+            Err(Failure::plain(format!("`{}` is not a file that pse put there", foreign.display()))
+                .hint("Move it away: the folder is only for files that pse is moving into the bundle."))
         }
     }
 }

@@ -52,8 +52,8 @@ impl Files {
                 .collect();
             if places.is_empty() {
                 let shown = file.display();
-                return Err(Failure::plain(format!("`{shown}` lies in no folder of the program"))
-                    .hint("A bundle has what lies beside the program, below it, and in the folders of --path. Name its folder with --path, and import it without `..`."));
+                return Err(Failure::plain(format!("`{shown}` is outside the program's folders"))
+                    .hint("A bundle contains the program's folder and the folders of --path. Name this file's folder with --path, and import it without `..`."));
             }
             copies.extend(places.into_iter().map(|place| (place, file.clone())));
         }
@@ -79,10 +79,8 @@ impl Files {
         let inputs = inputs.filter(|path| !path.starts_with(&output));
         let sources = self.copies.values().map(|path| whole(path)).chain(inputs);
         match sources.into_iter().find(|path| path.starts_with(&bundle)) {
-            Some(path) => {
-                Err(Failure::plain(format!("`{}` lies in the folder of the bundle", path.display()))
-                    .hint("Give another folder with -o, or the file from which that one was copied."))
-            }
+            Some(path) => Err(Failure::plain(format!("`{}` is in the folder of the bundle", path.display()))
+                .hint("Give another folder with -o, or the original of that file.")),
             None => Ok(()),
         }
     }
@@ -130,8 +128,8 @@ impl Files {
         let Some(name) = &self.program else { return Ok(()) };
         let (name, text) = source::read(&folder.join(name))?;
         source::compile(&name, &text, &made).map(drop).map_err(|_| {
-            Failure::plain("in a bundle the program would not find all of its files").hint(
-                "A bundle keeps what lies beside the program and below, and each folder of --path by itself. Name files without `..`, and folders with --path.",
+            Failure::plain("the program would not find all of its files in a bundle").hint(
+                "A bundle contains the program's folder, and each folder of --path separately. Name files without `..`, and folders with --path.",
             )
         })
     }

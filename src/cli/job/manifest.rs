@@ -119,8 +119,8 @@ impl Manifest {
     /// files that were changed are replaced.
     pub fn check(&self, bundle: &Path, at: &Path, force: bool) -> Result<(), Failure> {
         let foreign = |path: &Path| {
-            Failure::plain(format!("`{}` exists, and belongs to no bundle of pse", path.display()))
-                .hint("Give a folder for the bundle alone: -o fire.job.")
+            Failure::plain(format!("`{}` exists, and is not part of a bundle of pse", path.display()))
+                .hint("Give a folder of its own: -o fire.job.")
         };
         let mut path = bundle.to_path_buf();
         for folder in at.parent().into_iter().flat_map(Path::components) {
@@ -139,7 +139,7 @@ impl Manifest {
             return Ok(());
         }
         Err(Failure::plain(format!("`{}` was changed after pse wrote it", path.display()))
-            .hint("Move it away, or let it be replaced with --force."))
+            .hint("Move it away, or add --force to replace it."))
     }
 }
 

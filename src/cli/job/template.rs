@@ -72,7 +72,7 @@ impl Template {
             "name": "Pse",
             "type": "STRING",
             "default": "pse",
-            "description": "The command pse: its name, or where it lies on the machines of the farm.",
+            "description": "The command pse: its name, or its path on the machines of the farm.",
         })];
         if let Some(frames) = &self.frames {
             if frames.len() > LONGEST[1] {
@@ -92,9 +92,9 @@ impl Template {
             list.push(program);
         }
         list.extend(
-            self.inputs.folders.iter().map(|(name, _)| folder(name, "IN", "Images that are run on.")),
+            self.inputs.folders.iter().map(|(name, _)| folder(name, "IN", "The folder of the input images.")),
         );
-        let mut output = folder("OutputDir", "OUT", "Where the pictures go.");
+        let mut output = folder("OutputDir", "OUT", "The folder for the pictures.");
         output["default"] = json!("output");
         list.push(output);
         Ok(list)
@@ -213,23 +213,20 @@ fn literal(text: &str) -> Result<String, Failure> {
 /// A text that stands for itself in a template. Lines of a program may follow each other in one argument.
 fn literal_lines(text: &str) -> Result<String, Failure> {
     if text.contains("{{") || text.contains("}}") {
-        let message =
-            format!("`{text}` cannot be a part of a job: `{{{{` and `}}}}` enclose parameters there");
-        return Err(
-            Failure::usage(message).hint("Rename it. What is a line of the program can go into a file.")
-        );
+        let message = format!("`{text}` cannot be part of a job, where `{{{{` and `}}}}` enclose parameters");
+        return Err(Failure::usage(message).hint("Rename it, or put the program's line into a file."));
     }
     match text.chars().find(|c| c.is_control() && *c != '\n') {
         Some('\t') => {
-            Err(control_character(text, "Write blanks for it, or put a line of the program into a file."))
+            Err(control_character(text, "Replace it by spaces, or put a line of the program into a file."))
         }
-        Some(_) => Err(control_character(text, "Rename it, or put a line of the program into a file.")),
+        Some(_) => Err(control_character(text, "Rename it, or put the line of the program into a file.")),
         None => Ok(text.to_string()),
     }
 }
 
 fn control_character(text: &str, hint: &str) -> Failure {
-    let message = format!("`{}` cannot be a part of a job: it has a control character", text.escape_debug());
+    let message = format!("`{}` cannot be part of a job: it has a control character", text.escape_debug());
     Failure::usage(message).hint(hint)
 }
 
@@ -276,13 +273,13 @@ impl Inputs {
     fn place(&mut self, given: &str) -> Result<String, Failure> {
         let path = pse::internal::host::absolute(Path::new(given));
         let (Some(folder), Some(file)) = (path.parent(), path.file_name()) else {
-            return Err(Failure::usage(format!("`{given}` is no file")));
+            return Err(Failure::usage(format!("`{given}` is not a file")));
         };
         // Folders have the number only beside a name with it.
         let filled = PathBuf::from(frames::fill(&path.to_string_lossy(), 1));
         if filled.parent() != Some(folder) {
-            return Err(Failure::usage(format!("a folder of `{given}` has the frame's number in its name"))
-                .hint("In a job only the name of the file can have it."));
+            return Err(Failure::usage(format!("a folder of `{given}` has a frame number in its name"))
+                .hint("In a job only the file name can contain it."));
         }
         let place = self.folders.iter().position(|(_, known)| known == folder).unwrap_or_else(|| {
             let number = self.folders.len() + 1;

@@ -41,13 +41,13 @@ impl Args for RunWords {
             command = command.mut_arg(id, |arg| arg.hide(true));
         }
         command = command.mut_arg("force", |arg| {
-            arg.help("Replace files of the bundle though they were changed after pse wrote them")
+            arg.help("Also replace files of the bundle that were changed after pse wrote them")
                 .help_heading("Job")
         });
         command.mut_arg("output", |arg| {
             arg.long("picture")
                 .short(None)
-                .help("A picture to make, several if repeated, in the folder of the job's output; PROGRAM.png if not given")
+                .help("A picture to write in the job's output folder; repeat for several (default: PROGRAM.png)")
                 .help_heading("Job")
         })
     }
@@ -69,7 +69,7 @@ impl FromArgMatches for RunWords {
             };
             let option = format!("--{long}");
             if NOT_OF_JOBS.contains(&id) {
-                let message = format!("{option} is for pse run; a job has no use for it\n");
+                let message = format!("{option} has no effect in a job; it is for pse run\n");
                 return Err(clap::Error::raw(clap::error::ErrorKind::ArgumentConflict, message));
             }
             let delimiter = arg.get_value_delimiter().map(String::from);

@@ -102,15 +102,18 @@ impl Server {
                 }
                 Err(e) => refuse(&id, ErrorCode::InvalidParams, &e.to_string()),
             },
-            (Stage::New, _) => refuse(&id, ErrorCode::ServerNotInitialized, "initialize comes first"),
-            (Stage::Ready, "initialize") => refuse(&id, ErrorCode::InvalidRequest, "initialize came before"),
+            (Stage::New, _) => refuse(&id, ErrorCode::ServerNotInitialized, "send initialize first"),
+            (Stage::Ready, "initialize") => {
+                refuse(&id, ErrorCode::InvalidRequest, "initialize was already sent")
+            }
             (Stage::Ready, "shutdown") => {
                 *stage = Stage::Over;
                 Response::new_ok(id, Value::Null)
             }
             (Stage::Over, _) => refuse(&id, ErrorCode::InvalidRequest, "only exit can come after shutdown"),
-            (Stage::Ready, _) => guarded(|| self.answer(request))
-                .unwrap_or_else(|| refuse(&id, ErrorCode::InternalError, "a fault of pse; please report it")),
+            (Stage::Ready, _) => guarded(|| self.answer(request)).unwrap_or_else(|| {
+                refuse(&id, ErrorCode::InternalError, "internal error of pse; please report it")
+            }),
         }
     }
 
@@ -186,7 +189,7 @@ impl Server {
             "textDocument/prepareRename" => self.with::<lsp::PrepareRenameRequest>(request, rename::prepare),
             "textDocument/rename" => self.with::<lsp::RenameRequest>(request, rename::rename),
             method => {
-                let message = format!("there is no {method} here");
+                let message = format!("unknown method {method}");
                 Response::new_err(request.id, ErrorCode::MethodNotFound as i32, message)
             }
         }

@@ -63,17 +63,17 @@ fn headers(bytes: &[u8]) -> Option<Result<(usize, usize), String>> {
         let line = bytes[at..at + end].trim_ascii();
         at += end + 1;
         if line.is_empty() {
-            return Some(length.map(|length| (at, length)).ok_or("there is no Content-Length".into()));
+            return Some(length.map(|length| (at, length)).ok_or("no Content-Length".into()));
         }
         let colon = line.iter().position(|&b| b == b':');
         let Some((name, value)) = colon.map(|colon| (&line[..colon], line[colon + 1..].trim_ascii())) else {
-            return Some(Err("that is no header".into()));
+            return Some(Err("invalid header".into()));
         };
         if name.eq_ignore_ascii_case(b"content-length") {
             let digits = std::str::from_utf8(value).ok().filter(|v| v.bytes().all(|b| b.is_ascii_digit()));
             match digits.and_then(|digits| digits.parse().ok()) {
                 Some(number) => length = Some(number),
-                None => return Some(Err("Content-Length is no number of bytes".into())),
+                None => return Some(Err("Content-Length is not a number of bytes".into())),
             }
         }
     }
@@ -84,13 +84,13 @@ fn message(bytes: &[u8]) -> Frame {
     let value: Value = match serde_json::from_slice(bytes) {
         Ok(value) => value,
         Err(error) => {
-            return refusal(Value::Null, ErrorCode::ParseError, &format!("that is no JSON: {error}"));
+            return refusal(Value::Null, ErrorCode::ParseError, &format!("invalid JSON: {error}"));
         }
     };
     let id = value.get("id").filter(|id| id.is_string() || id.is_number()).cloned().unwrap_or_default();
     match serde_json::from_value(value) {
         Ok(message) => Frame::Message(message),
-        Err(_) => refusal(id, ErrorCode::InvalidRequest, "that is no message of the protocol"),
+        Err(_) => refusal(id, ErrorCode::InvalidRequest, "not a message of the protocol"),
     }
 }
 
@@ -148,8 +148,7 @@ impl<R: Read> Frames<R> {
             Ok((begin, length)) if length <= self.max_bytes => (begin, length),
             Ok((begin, length)) => {
                 self.skip(begin)?;
-                let why =
-                    format!("a message of {length} bytes is too long: {} are the limit", self.max_bytes);
+                let why = format!("a message of {length} bytes is too long: the limit is {}", self.max_bytes);
                 return Ok(Some(refusal(Value::Null, ErrorCode::InvalidRequest, &why)));
             }
             Err(why) => {

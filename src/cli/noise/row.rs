@@ -147,7 +147,7 @@ fn form(name: &str) -> Result<(Form, f32), Failure> {
     found.map(|(_, form, offset)| (*form, *offset)).ok_or_else(|| {
         let sums = SUMS.map(|(sum, ..)| sum);
         Failure::usage(format!("there is no sum called `{name}`")).hint(format!(
-            "Before a colon stands {} or {}.",
+            "Before the colon write {} or {}.",
             sums[..4].join(", "),
             sums[4]
         ))
@@ -162,7 +162,7 @@ fn unfit(Unfit { message, hint, .. }: Unfit) -> Failure {
 /// The parameters with `seed=VALUE`, or with `OPTION=VALUE`.
 fn set(params: Params, text: &str) -> Result<Params, Failure> {
     let Some((name, value)) = text.split_once('=').map(|(name, value)| (name.trim(), value.trim())) else {
-        return Err(Failure::usage(format!("`{text}` sets nothing"))
+        return Err(Failure::usage(format!("`{text}` is not a setting"))
             .hint("Write it as density=3, kernel=gabor or period=4,4,0."));
     };
     let numbers = || -> Option<Vec<f32>> {
@@ -189,7 +189,7 @@ fn set(params: Params, text: &str) -> Result<Params, Failure> {
     if info.choices.contains(&value) {
         return Ok(params.with_choice(info.option, value));
     }
-    let failure = Failure::usage(format!("{name} can't be `{value}`"));
+    let failure = Failure::usage(format!("{name} cannot be `{value}`"));
     Err(match nearest(value, info.choices.iter().copied()) {
         Some(near) => failure.hint(format!("Did you mean {near}?")),
         None => failure.hint(format!("It is one of {}.", info.choices.join(", "))),
@@ -238,8 +238,8 @@ mod tests {
             ("gradient,density=3", "takes no density"),
             ("gradient,perod=3", "no noise takes an option called `perod`"),
             ("gradient,period=x", "period is a number"),
-            ("gradient,period", "`period` sets nothing"),
-            ("gradient,kernel=gabr", "kernel can't be `gabr`"),
+            ("gradient,period", "`period` is not a setting"),
+            ("gradient,kernel=gabr", "kernel cannot be `gabr`"),
             ("gradient,period=2.5", "whole number"),
         ] {
             let failure = Row::new(text, &PLAIN).err().unwrap_or_else(|| panic!("{text} is taken"));

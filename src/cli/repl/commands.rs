@@ -12,19 +12,19 @@ use std::path::{Path, PathBuf};
 
 /// Each command, what follows it, and what it does.
 pub(super) static COMMANDS: [(&str, &str, &str); 13] = [
-    ("show", "[EXPRESSION]", "the picture in the terminal: color, or an expression"),
-    ("pixel", "[COLUMN ROW]", "look at another pixel; alone, say which it is"),
-    ("vars", "", "what every variable holds at the pixel"),
-    ("list", "", "the program so far"),
-    ("undo", "", "forget what was entered last"),
-    ("clear", "", "forget the whole program"),
-    ("load", "FILE", "begin again with a program's file"),
-    ("save", "[FILE]", "write the program to a file; :save! replaces one"),
+    ("show", "[EXPRESSION]", "show color, or an expression, as a picture in the terminal"),
+    ("pixel", "[COLUMN ROW]", "go to another pixel; without numbers, print the current one"),
+    ("vars", "", "print every variable at the pixel"),
+    ("list", "", "print print the program so far"),
+    ("undo", "", "remove the last entry"),
+    ("clear", "", "remove the whole program"),
+    ("load", "FILE", "load a program, and forget the one so far"),
+    ("save", "[FILE]", "write the program to a file; :save! replaces a file"),
     ("set", "NAME VALUE", "set a param, as --set does"),
-    ("time", "[EXPRESSION]", "how long the program takes on the image"),
+    ("time", "[EXPRESSION]", "time the program on the image"),
     ("doc", "NAME", "explain a function or another name"),
-    ("help", "", "this list"),
-    ("quit", "", "end; Ctrl-D does too"),
+    ("help", "", "print this list"),
+    ("quit", "", "end the session, as Ctrl-D does"),
 ];
 
 impl Session {
@@ -43,7 +43,7 @@ impl Session {
             "list" => Ok(self.listing()),
             "undo" => match self.pieces.pop() {
                 Some(_) => Ok(String::new()),
-                None => Err(Failure::plain("there is nothing to forget")),
+                None => Err(Failure::plain("the program is empty")),
             },
             "clear" => {
                 self.pieces.clear();
@@ -100,7 +100,7 @@ impl Session {
         }
         let shown = path.display();
         if path.exists() && own.as_ref() != Some(&path) && !replace {
-            return Err(Failure::plain(format!("`{shown}` is there already"))
+            return Err(Failure::plain(format!("`{shown}` already exists"))
                 .hint(format!("To replace it: `:save! {shown}`.")));
         }
         write_program(&path, &self.program())?;
@@ -152,7 +152,7 @@ impl Session {
         if !(0..width).contains(&column) || !(0..height).contains(&row) {
             let last = told([self.image.width - 1, self.image.height - 1]);
             return Err(Failure::plain("there is no such pixel")
-                .hint(format!("They go from [{x} {y}] to {}.", last.trim_end())));
+                .hint(format!("The pixels go from [{x} {y}] to {}.", last.trim_end())));
         }
         self.pixel = [column as usize, row as usize];
         Ok(String::new())
@@ -210,12 +210,13 @@ impl Session {
 
 fn help() -> String {
     let mut text = String::from(
-        "An expression is told at the pixel and over the image. Other lines become part of the program; an empty\n\
-         line ends a block.\n\n",
+        "An expression prints its value at the pixel and its minimum, mean and maximum over the image.\n\
+         Other lines are added to the program; an empty line ends a block.\n\n",
     );
     for (name, rest, what) in &COMMANDS {
         text += &format!("  :{:24} {what}\n", format!("{name} {rest}").trim_end());
     }
-    let keys = "\n  Tab completes, Ctrl-R searches what was entered before, Ctrl-C ends a run, Ctrl-D the session.\n";
+    let keys =
+        "\n  Tab completes, Ctrl-R searches earlier entries, Ctrl-C stops a run, Ctrl-D ends the session.\n";
     text + keys
 }

@@ -131,7 +131,7 @@ impl Session {
         }
     }
 
-    /// Takes a program's file for the program so far; gives what it prints.
+    /// Takes a program's file for print print the program so far; gives what it prints.
     pub fn load(&mut self, path: &std::path::Path) -> Result<String, Failure> {
         let (_, text) = super::super::source::read(path)?;
         let text = format!("{}\n", text.trim_end());
@@ -181,7 +181,7 @@ impl Session {
         Ok(program.eval_pixel_of(&self.image, column, row, &options)?)
     }
 
-    /// What a program prints at the pixel, but for what the program so far prints already.
+    /// What a program prints at the pixel, but for what print print the program so far prints already.
     fn printed(&self, program: &Program) -> Result<String, Failure> {
         let missing = |name: &str| self.inputs.missing(name);
         let [column, row] = self.pixel;

@@ -22,16 +22,16 @@ Examples:
   pse run marble.pse --set veins=6 --set tint='[1 0.8 0.6]'
   pse run fire.pse -i fg.####.exr -i bg=sky.png -o fire.####.png --frames 1-24
   pse run fire.pse -o fire.####.png --frames 1-1000 --resume --keep-going
-  pse run coral.pse --iso coral.pse -o coral.png            a solid that a program tells of
+  pse run coral.pse --iso coral.pse -o coral.png            a solid from its density
   pse run marble.pse --tile 3/4x4 -o 'marble.{tile}.exr'    one of 16 tiles, for pse join
-  pse run marble.pse --hash                                 a digest of the pixels, and no file
+  pse run marble.pse --hash                                 a digest of the result, and no file
   pse run a.pse -i g.exr -o - | pse run b.pse -i - -o b.png
 
-Pictures (.png .jpg .tif .hdr .bmp .tga .webp) show color. Of a program that assigns none, they show the one \
-variable that --vars names: a scalar as grey, a vector of 3 as a colour. An .exr file holds any variable.
+A picture (.png .jpg .tif .hdr .bmp .tga .webp) shows color. For a program without color, name one variable with \
+--vars: a scalar is shown as grey, a vector of 3 as a colour. An .exr file holds any number of variables.
 
-Without -i and --scene, the built-in donut is used. PSE_SIMD=baseline, avx2 or avx512 in the environment \
-chooses the instruction set; the result is the same.";
+Without -i and --scene, the input is the built-in donut. The environment variable PSE_SIMD (baseline, avx2 or avx512) \
+selects the instruction set; the result is the same.";
 
 /// What to run, on what, and where to.
 #[derive(Debug, Args)]
@@ -39,7 +39,7 @@ chooses the instruction set; the result is the same.";
 pub(in crate::cli) struct RunArgs {
     #[command(flatten)]
     pub program: ProgramArgs,
-    /// Set a param (or an input variable) to an expression: veins=6, tint='[1 0 0]'
+    /// Set a param or an input variable to an expression: veins=6, tint='[1 0 0]'
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 
@@ -47,10 +47,10 @@ pub(in crate::cli) struct RunArgs {
     pub images: ImageArgs,
     #[command(flatten)]
     pub solid: SolidArgs,
-    /// Take PNG, JPEG and the like as plain numbers, and write them so: no sRGB curve either way
+    /// Read and write pictures (PNG, JPEG, …) without sRGB conversion
     #[arg(long, help_heading = "Input")]
     pub raw: bool,
-    /// The number of the frame; that in the name or the header of the input if not given
+    /// The frame number (default: the one in the input's name or header)
     #[arg(
         long,
         value_name = "N",
@@ -59,87 +59,88 @@ pub(in crate::cli) struct RunArgs {
         allow_negative_numbers = true
     )]
     pub frame: Option<FrameArg>,
-    /// Several frames: 1-24, -3-3, 1,5,9 or 1-20x2 (1-20:2 is the same). Names of files may hold the number as ####, @@@@,
-    /// %d or %04d
+    /// Run several frames: 1-24, -3-3, 1,5,9 or 1-20x2 (or 1-20:2). In file names, ####, @@@@, %d or %04d stands for
+    /// the frame number
     #[arg(long, value_name = "LIST", help_heading = "Frames", allow_hyphen_values = true)]
     pub frames: Option<Frames>,
-    /// Leave out frames whose files are there, whole, and of the same run: a hash of program, inputs and options stands
-    /// in the header of .exr and .png files that were written with --resume
+    /// Skip frames whose output files are complete and come from the same run. Files written with --resume (.exr and
+    /// .png) carry a hash of program, inputs and options in their header
     #[arg(long, help_heading = "Frames")]
     pub resume: bool,
-    /// Go on with the next frame after one that fails, and name those that failed at the end
+    /// After a frame fails, continue with the next; list the failed frames at the end
     #[arg(long, help_heading = "Frames")]
     pub keep_going: bool,
-    /// How progress is told
+    /// How to report progress
     #[arg(long, value_enum, default_value_t, value_name = "STYLE", help_heading = "Frames")]
     pub progress: Style,
 
-    /// A file to write, several if repeated; the extension tells the format. PROGRAM.png if not given; - is standard
-    /// output, as EXR
+    /// A file to write; repeat for several. The extension selects the format; - writes EXR to standard output
+    /// (default: PROGRAM.png)
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub output: Vec<PathBuf>,
-    /// The variables to write, with commas between; color if not given, or all if the program assigns none
+    /// The variables to write, separated by commas (default: color, or all variables if the program assigns no color)
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Output")]
     pub vars: Option<Vec<String>>,
-    /// Compute only these pixels: x0,y0,x1,y1 (x1 and y1 are one past the last) or WxH+X+Y
+    /// Compute only these pixels: x0,y0,x1,y1 (x1 and y1 exclusive) or WxH+X+Y
     #[arg(long, value_name = "REGION", help_heading = "Output", allow_hyphen_values = true)]
     pub region: Option<Region>,
-    /// Compute only one tile, as in 3/4x4: the third of four columns and four rows. Names hold its number as {tile}
+    /// Compute only tile N of a grid: 3/4x4 is the third of four columns by four rows. In file names, {tile} stands
+    /// for its number
     #[arg(long, value_name = "N/CxR", help_heading = "Output", conflicts_with = "region")]
     pub tile: Option<Tile>,
-    /// Print a digest of the computed numbers, the same on every machine. Writes only to -o
+    /// Print a digest of the result, which is the same on every machine. Writes a file only with -o
     #[arg(long, help_heading = "Output")]
     pub hash: bool,
-    /// Make the folders of the outputs
+    /// Create missing output folders
     #[arg(long, help_heading = "Output")]
     pub mkdir: bool,
-    /// EXR: 16-bit floats, but for surface, point and depth
+    /// EXR: write 16-bit floats, except for surface, point and depth
     #[arg(long, help_heading = "Output")]
     pub half: bool,
-    /// PNG and TIFF: bits a component; 32 is for TIFF, as floats
+    /// PNG and TIFF: bits per component; 32 writes floats, TIFF only
     #[arg(long, value_name = "8|16|32", value_parser = bits, help_heading = "Output")]
     pub bits: Option<u8>,
-    /// Run the program so many times in each pixel, at places here and there, and write the mean
+    /// Average N jittered samples per pixel
     #[arg(long, value_name = "N", value_parser = positive, help_heading = "Antialiasing", allow_negative_numbers = true)]
     pub samples: Option<usize>,
-    /// What a pixel sees of its surroundings: itself (box), or up to one (triangle) or two pixels beside it
+    /// The reconstruction filter: box (radius half a pixel), triangle (1 pixel), catmull-rom or mitchell (2 pixels)
     #[arg(long, value_enum, default_value_t, requires = "samples", help_heading = "Antialiasing")]
     pub filter: FilterArg,
-    /// Other places for another number
+    /// The seed of the sample positions
     #[arg(long, value_name = "S", default_value_t = 0, requires = "samples", help_heading = "Antialiasing")]
     pub seed: u32,
-    /// Show so many lines of what the program prints, those of the first pixels; 0 shows none
+    /// Show at most N lines of the program's print output, from the first pixels; 0 shows none
     #[arg(long, value_name = "N", default_value_t = 10, help_heading = "Output")]
     pub print: usize,
-    /// Let an output replace an input, and one without -o a file that pse did not write
+    /// Let an output replace an input, and a default output replace a file that pse did not write
     #[arg(long, help_heading = "Output")]
     pub force: bool,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long, help_heading = "Output")]
     pub quiet: bool,
 
-    /// Threads; as many as the machine has if not given
+    /// Number of threads (default: one per core)
     #[arg(long, value_name = "N", value_parser = positive, help_heading = "Speed")]
     pub threads: Option<usize>,
-    /// Say how long reading, running and writing took, and what ran
+    /// Print how long reading, running and writing took, and what ran
     #[arg(long, help_heading = "Speed")]
     pub stats: bool,
-    /// Run so many times in memory, and tell the median time of a pixel. Writes only to -o
+    /// Run N times in memory and print the median time per pixel. Writes a file only with -o
     #[arg(long, value_name = "N", value_parser = positive, help_heading = "Speed")]
     pub repeat: Option<usize>,
-    /// Tell where the time goes: for each line what it took by itself, and which share of the pixels was active
+    /// Print where the time goes: for each line, its own time and the share of pixels that were active
     #[arg(long, help_heading = "Speed")]
     pub profile: bool,
-    /// Walk the program's tree alone, without plans for straight stretches of it: slower, and the same result
+    /// Run without the optimizer: slower, with the same result
     #[arg(long, help_heading = "Speed")]
     pub no_optimize: bool,
     /// Lanes of a batch
     #[arg(long, value_name = "N", value_parser = positive, hide = true)]
     pub batch: Option<usize>,
 
-    /// Megabytes that the run may take, all in all. So many rows are read, run and written at a time as fit, judged
-    /// beforehand by the numbers of a pixel; textures may have a quarter of it, and the values of all threads an eighth. What cannot
-    /// fit is refused
+    /// Limit the memory of the whole run. Rows are processed in bands that fit, estimated beforehand from the
+    /// components of a pixel; textures get a quarter of the limit, the values of all threads an eighth. A run that
+    /// cannot fit is refused
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Limits")]
     pub memory: Option<u32>,
     #[command(flatten)]
@@ -160,19 +161,19 @@ pub(in crate::cli) enum FilterArg {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
 pub(in crate::cli) struct LimitArgs {
-    /// Rounds of loops and calls of functions at a pixel
+    /// Maximum loop iterations and function calls per pixel
     #[arg(long, value_name = "N", default_value_t = Limits::default().steps)]
     max_steps: u32,
-    /// Calls inside of calls
+    /// Maximum nesting depth of function calls
     #[arg(long, value_name = "N", default_value_t = Limits::default().depth)]
     max_depth: u32,
-    /// Scalars in a vector
+    /// Maximum number of scalars in a vector
     #[arg(long, value_name = "N", default_value_t = Limits::default().cells)]
     max_vector: usize,
-    /// Megabytes of values that a thread holds
+    /// Maximum memory for values, per thread
     #[arg(long, value_name = "MB", default_value_t = Limits::default().memory >> 20)]
     max_memory: usize,
-    /// Megabytes of textures in memory, all together; larger ones go through a temporary file
+    /// Memory for all textures; larger textures go through a temporary file
     #[arg(long, value_name = "MB", default_value_t = TEXTURE_MEMORY >> 20)]
     texture_memory: usize,
 }

@@ -10,7 +10,7 @@ use crate::cli::region::{Region, bands};
 use crate::cli::solid::Found;
 use pse::image::{Image, Metadata, Variable};
 use pse::internal::eval::Places;
-use pse::solid::{Isosurface, Told};
+use pse::solid::{Isosurface, SolidStats};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -122,9 +122,9 @@ impl FrameInput {
         }
     }
 
-    /// What is known of the work on a solid.
-    pub fn told(&self) -> Option<Told> {
-        self.solid().map(Isosurface::told)
+    /// The statistics of a solid.
+    pub fn solid_stats(&self) -> Option<SolidStats> {
+        self.solid().map(Isosurface::stats)
     }
 
     /// The rows of each band, no more than so many if there is a limit.

@@ -82,10 +82,10 @@ pub(super) fn rows(
         None => {
             let needed = judged.bytes(least).div_ceil(1 << 20);
             let failure =
-                Failure::plain(format!("the run needs some {needed} MB, and --memory allows {most}"));
+                Failure::plain(format!("the run needs about {needed} MB, and --memory allows {most}"));
             // Textures and values get a share of what there is, so that they need more of more.
             let enough = (needed as f64 * 1.7).ceil();
-            let mut failure = failure.hint(format!("Give it more: --memory {enough}."));
+            let mut failure = failure.hint(format!("Allow more: --memory {enough}."));
             if pictures > 0 || input.inputs.list.iter().any(|opened| !opened.file.streams()) {
                 failure = failure.hint("Only EXR and PNG are read and written row by row.");
             }

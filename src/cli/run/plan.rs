@@ -88,16 +88,15 @@ impl Plan {
         let still = |path: &&PathBuf| !frames::has_pattern(&path.to_string_lossy());
         if let Some(path) = paths.iter().find(still).filter(|_| frames.len() > 1) {
             let shown = output::shown(path);
-            let failure = Failure::usage(format!("{} frames cannot all be written to {shown}", frames.len()));
-            return Err(failure.hint("Give a place for the frame's number: -o out.####.png."));
+            let failure = Failure::usage(format!("{} frames would all be written to {shown}", frames.len()));
+            return Err(failure.hint("Put the frame number into the name: -o out.####.png."));
         }
         if let (Some(tile), Some(path)) =
             (args.tile, paths.iter().find(|path| !tiles::has_place(&path.to_string_lossy())))
         {
             let shown = output::shown(path);
-            let failure =
-                Failure::usage(format!("the tiles of {} cannot all be written to {shown}", tile.of));
-            return Err(failure.hint("Give a place for the tile's number: -o 'out.{tile}.exr'."));
+            let failure = Failure::usage(format!("the tiles of {} would all be written to {shown}", tile.of));
+            return Err(failure.hint("Put the tile number into the name: -o 'out.{tile}.exr'."));
         }
         super::resume::check(args)?;
         let piped = paths.iter().any(|p| p.as_os_str() == "-");
@@ -250,8 +249,8 @@ fn no_other(images: &ImageArgs) -> Result<Option<Seen>, Failure> {
     let other = images.scene.is_some() || images.view.mesh.is_some();
     match other || images.input.iter().any(|i| i.name.is_none()) {
         true => {
-            let message = "--iso and a scene, a mesh or an image without a name are two inputs for one";
-            Err(Failure::usage(message).hint("Leave out one of them, or name the image: -i bg=FILE."))
+            let message = "--iso cannot be combined with a scene, a mesh or an image without a name";
+            Err(Failure::usage(message).hint("Remove one of them, or name the image: -i bg=FILE."))
         }
         false => Ok(None),
     }
@@ -261,14 +260,12 @@ fn no_other(images: &ImageArgs) -> Result<Option<Seen>, Failure> {
 pub(in crate::cli) fn scene(images: &ImageArgs) -> Result<Option<Seen>, Failure> {
     let ImageArgs { scene: name, input, view, .. } = images;
     if name.is_some() && view.mesh.is_some() {
-        return Err(
-            Failure::usage("--scene and --mesh are two inputs for one").hint("Leave out one of them.")
-        );
+        return Err(Failure::usage("--scene and --mesh cannot be combined").hint("Remove one of them."));
     }
     let option = if view.mesh.is_some() { "--mesh" } else { "--scene" };
     if (name.is_some() || view.mesh.is_some()) && input.iter().any(|i| i.name.is_none()) {
-        return Err(Failure::usage(format!("{option} and an image without a name are two inputs for one"))
-            .hint("Leave out one of them, or name the image: -i bg=FILE."));
+        return Err(Failure::usage(format!("{option} and an image without a name cannot be combined"))
+            .hint("Remove one of them, or name the image: -i bg=FILE."));
     }
     if let Some(name) = name {
         pse::scene::find(name)?;
@@ -376,8 +373,7 @@ fn named_value(option: &str, text: &str, frame: f32, form: &str) -> Result<(Stri
     if let Some((length, color)) =
         syntax::web_color(expression).filter(|(length, _)| *length == expression.len())
     {
-        let failure =
-            Failure::usage(format!("{title}: `{}` is a colour of a web page", &expression[..length]));
+        let failure = Failure::usage(format!("{title}: `{}` is a hexadecimal colour", &expression[..length]));
         return Err(failure.hint(format!("Write {option} {name}='{color}'.")));
     }
     let program =
@@ -387,7 +383,7 @@ fn named_value(option: &str, text: &str, frame: f32, form: &str) -> Result<(Stri
         })?;
     // Only then is the value that of `color`, whatever the names in it.
     if syntax::parse_expression(SourceId::default(), expression).is_none() {
-        return Err(Failure::usage(format!("{title}: `{expression}` is no value")).hint(form));
+        return Err(Failure::usage(format!("{title}: `{expression}` is not a value")).hint(form));
     }
     let of_pixel = |name: &&str| {
         names::USUAL_INPUTS.contains(name) || names::is_system(name) && *name != "frame" || name.contains('.')
@@ -396,16 +392,17 @@ fn named_value(option: &str, text: &str, frame: f32, form: &str) -> Result<(Stri
         let failure =
             Failure::usage(format!("{option} cannot read pixels, and `{read}` comes from the image"));
         return Err(
-            failure.hint("What it gives is the same for the whole frame: numbers, constants and `frame`.")
+            failure.hint("Its value is the same for the whole frame. Use numbers, constants and `frame`.")
         );
     }
-    let missing =
-        |_: &str| vec![format!("What {option} gives is the same for the whole frame: it reads no pixel.")];
+    let missing = |_: &str| {
+        vec![format!("The value of {option} is the same for the whole frame and cannot read pixels.")]
+    };
     let options = RunOptions { frame, missing: Some(&missing), ..RunOptions::default() };
     let values = program.eval_pixel(&[], &options)?;
     let value = values.into_iter().find(|(name, _)| name == "color").map(|(_, value)| value);
     let value =
-        value.ok_or_else(|| Failure::usage(format!("{option} {name}: there is no value")).hint(form))?;
+        value.ok_or_else(|| Failure::usage(format!("{option} {name}: the value is missing")).hint(form))?;
     Ok((name.to_string(), value))
 }
 

@@ -78,14 +78,14 @@ pub(super) fn is_done(outputs: &[Output], hash: &str) -> bool {
 /// What cannot be resumed is told before the work.
 pub(super) fn check(args: &RunArgs) -> Result<(), Failure> {
     if args.resume && args.output.is_empty() && (args.hash || args.repeat.is_some()) {
-        let failure = Failure::usage("--resume is for files, and none is written");
-        return Err(failure.hint("Give one with -o, or leave out --resume."));
+        let failure = Failure::usage("--resume needs an output file");
+        return Err(failure.hint("Give one with -o, or remove --resume."));
     }
     let pipe =
         args.images.input.iter().any(|i| i.path == "-") || args.output.iter().any(|o| o.as_os_str() == "-");
     match args.resume && pipe {
-        true => Err(Failure::usage("--resume is for files, and - is none")
-            .hint("Give files with -i and -o, or leave out --resume.")),
+        true => Err(Failure::usage("--resume cannot use standard input or output (-)")
+            .hint("Give files with -i and -o, or remove --resume.")),
         false => Ok(()),
     }
 }

@@ -93,7 +93,7 @@ impl<'a> Attempt<'a> {
             (ran, reader.join(), writer.join())
         });
         let (Ok(read), Ok(written)) = (read, written) else {
-            return Err(Failure::plain("internal error: a thread has ended before its time"));
+            return Err(Failure::plain("internal error: a thread ended early"));
         };
         // Where writing fails the bands after are not run; the writer says why.
         let (writers, digest, mut write) = match (written, &ran) {

@@ -167,7 +167,7 @@ fn row(about: &About<'_>, event: &Event, limit: usize) -> Row {
     match &event.kind {
         EventKind::Input { .. } => (row.line, row.source) = (String::new(), "(input)".into()),
         EventKind::Omitted { events } => {
-            row.what = format!("… {events} events are left out (--limit {limit})");
+            row.what = format!("… {events} events omitted (--limit {limit})");
             (row.line, row.source, row.rounds) = Default::default();
         }
         EventKind::Branch { taken: false, .. } | EventKind::LoopEnd { .. } => row.faint = true,

@@ -74,17 +74,15 @@ impl OnDisk {
     /// Why it cannot be taken or replaced as it is, as a sentence.
     pub fn trouble(&self) -> String {
         match self {
-            OnDisk::Missing => "the file was removed elsewhere, and is not made again unasked".into(),
-            OnDisk::Text { .. } => "the file was changed elsewhere, and is not replaced unasked".into(),
+            OnDisk::Missing => "the file was removed by another program, and was not written again".into(),
+            OnDisk::Text { .. } => "the file was changed by another program, and was not replaced".into(),
             OnDisk::Unreadable { why, .. } => {
                 format!(
-                    "the file was changed elsewhere and cannot be read ({why}); it is not replaced unasked"
+                    "the file was changed by another program and cannot be read ({why}); it was not replaced"
                 )
             }
             OnDisk::NoFile { why } => {
-                format!(
-                    "the file was changed elsewhere: {why}, which is never replaced; save under another name"
-                )
+                format!("the file was changed by another program: {why}. Save under another name")
             }
         }
     }

@@ -35,7 +35,7 @@ impl Opening {
         if one_time.used {
             // The browser or somebody else was first.
             warn(
-                "the address that --open gave to the browser was asked for twice: if the page did not open, somebody else on this machine has it; end this, and remove the file view-token (docs/view.md)",
+                "the address of --open was requested twice. If the page did not open, another user of this machine has the address: stop pse view, and delete the file view-token (docs/view.md)",
             );
             return false;
         }

@@ -66,8 +66,8 @@ impl Server {
     /// A server at a port, or at any that is free.
     pub fn bind(port: u16, session: Arc<Session>) -> Result<Server, Failure> {
         let fail = |error: io::Error| {
-            Failure::plain(format!("cannot listen at port {port}: {error}"))
-                .hint("Choose another one, or 0 for any that is free (--port).")
+            Failure::plain(format!("cannot listen on port {port}: {error}"))
+                .hint("Choose another with --port; 0 picks a free one.")
         };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(fail)?;
         let port = listener.local_addr().map_err(fail)?.port();
@@ -129,7 +129,7 @@ impl Server {
             "POST" => {
                 let body = http::read_body(stream, request).map_err(|error| (400, error.to_string()))?;
                 let body = serde_json::from_slice(&body);
-                self.post(path, &body.map_err(|error| (400, format!("that is no JSON: {error}")))?)
+                self.post(path, &body.map_err(|error| (400, format!("invalid JSON: {error}")))?)
             }
             _ => Err((405, "only GET and POST".into())),
         }
@@ -154,19 +154,21 @@ impl Server {
         let rest = request.path.strip_prefix('/').and_then(|p| p.strip_prefix(self.token.as_str()));
         match rest.and_then(|rest| rest.strip_prefix('/')) {
             Some(rest) => Ok(rest),
-            None => Err((404, "pse view: the address is not whole; it is what the command printed")),
+            None => {
+                Err((404, "pse view: the address is incomplete. Open the address that the command printed"))
+            }
         }
     }
 
     /// Whether a request means this server, and comes from no page but its own.
     fn is_own_page(&self, request: &Request) -> Result<(), (u16, &'static str)> {
         if !request.host.as_ref().is_some_and(|host| is_own_host(host, self.port)) {
-            return Err((403, "this server is for this machine alone"));
+            return Err((403, "this server answers only this machine"));
         }
         let own = |origin: &String| origin.strip_prefix("http://").is_some_and(|o| is_own_host(o, self.port));
         match request.origin.as_ref().is_none_or(own) {
             true => Ok(()),
-            false => Err((403, "this server is for its own page alone")),
+            false => Err((403, "this server answers only its own page")),
         }
     }
 
@@ -197,7 +199,7 @@ impl Server {
                 _ => Err((400, "a pixel has an x and a y".into())),
             },
             "words" => Ok(told(&words())),
-            _ => Err((404, format!("there is no {path}"))),
+            _ => Err((404, format!("no such page: {path}"))),
         }
     }
 
@@ -226,7 +228,7 @@ impl Server {
             "complete" => return Ok(told(&self.complete(&text("text")?, body))),
             "hover" => return Ok(told(&self.hover(&text("text")?, body))),
             "frame" => self.session.go(body["frame"].as_f64().unwrap_or(f64::NAN)),
-            _ => return Err((404, format!("there is no {path}"))),
+            _ => return Err((404, format!("no such page: {path}"))),
         };
         match done {
             Ok(()) => Ok(told(&Value::Null)),

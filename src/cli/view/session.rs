@@ -397,7 +397,7 @@ impl Session {
     /// Goes to another frame.
     pub fn go(&self, frame: f64) -> Result<(), Failure> {
         if !(frame as f32).is_finite() {
-            return Err(Failure::plain(format!("{frame} is no frame")));
+            return Err(Failure::plain(format!("{frame} is not a frame")));
         }
         let mut state = self.state();
         state.frame = frame.into();
@@ -422,14 +422,16 @@ impl Session {
         let mut state = self.state();
         let set = state.set.iter().position(|(other, ..)| other == name);
         let Some(place) = set else {
-            return Err(Failure::plain(format!("{name} is what the program says already")));
+            return Err(Failure::plain(format!("{name} already has this value in the program")));
         };
         let ran = state.ran.clone().filter(|ran| {
             // Places are those of the text that ran.
             *ran.program.sources().get(pse::internal::diagnostic::SourceId::default()).text == *state.text
         });
         let Some(ran) = ran else {
-            return Err(Failure::plain("the program as it stands has not run yet").hint("Mend it first."));
+            return Err(
+                Failure::plain("this version of the program has not run yet").hint("Correct it first.")
+            );
         };
         let param = ran.program.resolved().params.iter().find(|param| param.name == name);
         let span = param.map(|param| param.value.span).filter(|span| span.source.0 == 0);

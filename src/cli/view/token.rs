@@ -27,7 +27,7 @@ pub(super) fn token() -> Result<String, Failure> {
 pub(super) fn random() -> Result<String, Failure> {
     let mut bytes = [0; BYTES];
     getrandom::fill(&mut bytes)
-        .map_err(|error| Failure::plain(format!("there is no randomness: {error}")))?;
+        .map_err(|error| Failure::plain(format!("the system gives no random numbers: {error}")))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 

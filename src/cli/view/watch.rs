@@ -122,7 +122,7 @@ impl Watcher {
         let watcher = match watcher {
             Ok(watcher) => watcher,
             Err(error) => {
-                warn(&format!("cannot watch files ({error}): changes by other programs are not seen"));
+                warn(&format!("cannot watch files ({error}): changes by other programs are not noticed"));
                 return Watcher(None);
             }
         };

@@ -94,7 +94,7 @@ fn raw_pictures_stay_as_they_are_stored() {
     assert_eq!(plain.size(), [24, 20]);
     let text = info(&plain).unwrap().to_string();
     assert!(
-        text.contains("Orientation 6 of the file is applied: its 20 x 24 pixels are turned by 90 degrees"),
+        text.contains("Orientation 6 of the file is applied: its 20 x 24 pixels are rotated by 90 degrees"),
         "{text}"
     );
     let file = read(Input::Path(folder().join("alpha_multiplied_16.tif")), &options).unwrap();

@@ -108,7 +108,7 @@ fn a_variable_of_a_view_is_mapped_by_its_name() {
     assert_eq!(
         whole(&error),
         "--map middle.color=center: `test.exr` has no view `middle`\n\
-         An image with a name is given as -i middle=FILE."
+         To name an image, write -i middle=FILE."
     );
 }
 
@@ -119,16 +119,16 @@ fn too_few_channels_are_no_vector() {
     let error = mapped(&bytes, "point=Position.X").err().unwrap();
     assert_eq!(
         whole(&error),
-        "--map point=Position.X: `point` has 3 components, and this is 1 channel\n\
+        "--map point=Position.X: `point` has 3 components, found 1 channel\n\
          Give the whole group: --map point=a.Position."
     );
     let error = mapped(&bytes, "color=Position.X,Position.Y").err().unwrap();
-    assert!(error.message.ends_with("`color` has 3 components, and this is 2 channels"), "{error:?}");
+    assert!(error.message.ends_with("`color` has 3 components, found 2 channels"), "{error:?}");
     assert!(mapped(&bytes, "normal=Depth").is_err() && mapped(&bytes, "uv=Position.X").is_err());
     // One channel is a grey colour.
     let file = mapped(&bytes, "color=Depth").unwrap();
     assert_eq!(channels_of(&file, "color"), ["a.Depth.Z"; 3]);
-    assert_eq!(file.notes(), ["--map color=Depth: one channel, which is used for red, green and blue"]);
+    assert_eq!(file.notes(), ["--map color=Depth: using one channel for red, green and blue"]);
     assert!(mapped(&bytes, "point=a.Position").unwrap().notes().is_empty());
     assert!(mapped(&bytes, "height=Position.X").is_ok());
 }

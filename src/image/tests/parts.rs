@@ -86,7 +86,7 @@ fn info_tells_ranges_and_names() {
     assert_eq!((x.min, x.max, x.mean, x.nan, x.infinite), (-1.0, 3.0, 1.0, 1, 1));
     assert_eq!(x.variables, ["point.x", "(Position.x)"]);
     let text = about.to_string();
-    assert!(text.contains("note: `surface` is no whole number at 1 pixel"), "{text}");
+    assert!(text.contains("note: `surface` is not a whole number at 1 pixel"), "{text}");
     assert!(text.contains("L.Position.Y is not exact"), "{text}");
     assert!(text.contains("`surface` is 0 at 1 pixel"), "{text}");
 }

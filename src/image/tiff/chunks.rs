@@ -35,7 +35,7 @@ impl Tiff {
             let stored = self.stored_samples(&mut file, &directory)?;
             Ok(self.converted(stored))
         })
-        .ok_or_else(|| ImageError::damaged(&name, "its pixels make no sense"))?
+        .ok_or_else(|| ImageError::damaged(&name, "its pixel data is invalid"))?
     }
 
     /// Samples of a pixel in a strip or tile.
@@ -47,7 +47,7 @@ impl Tiff {
     fn stored_samples(&self, file: &mut TiffReader, directory: &Directory) -> Result<Codes, ImageError> {
         let [width, height] = self.size;
         let total = width * height * self.count;
-        let short = || ImageError::damaged(file.name(), "memory does not suffice for its pixels");
+        let short = || ImageError::damaged(file.name(), "not enough memory for its pixels");
         let mut out = match (self.storage.kind, self.storage.bits) {
             (Kind::Unsigned, ..=8) => Codes::Byte(zeros(total).ok_or_else(short)?),
             (Kind::Unsigned, ..=16) => Codes::Short(zeros(total).ok_or_else(short)?),
@@ -77,7 +77,7 @@ impl Tiff {
             let (at, length) = place.bytes;
             let wrong = |why: String| format!("{kind} {} of {}: {why}", i + 1, chunks.len());
             if length == 0 {
-                return Err(file.damaged(wrong("there is nothing in it".into())));
+                return Err(file.damaged(wrong("it is empty".into())));
             }
             let mut bytes = file.bytes(at, length)?;
             if self.reversed {

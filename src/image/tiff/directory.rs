@@ -59,7 +59,7 @@ impl TiffReader {
         file.big_endian = start[0] == b'M';
         let big = start[2..4].contains(&43);
         if !is_tiff(&start) {
-            return Err(file.damaged("its header makes no sense"));
+            return Err(file.damaged("its header is invalid"));
         }
         let first = if big { file.unsigned(8, 8)? } else { file.unsigned(4, 4)? };
         let directory = file.directory(first, big)?;

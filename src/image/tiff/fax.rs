@@ -194,7 +194,7 @@ pub(super) fn decode(
         above = match row {
             Some(row) => row,
             None if bits.ended() => return Err("it ends too early"),
-            None => return Err("a row of the fax compression makes no sense"),
+            None => return Err("a row of the fax compression is invalid"),
         };
         above.draw(line, width);
     }

@@ -18,7 +18,7 @@ pub(super) struct Picture {
 /// Decodes a stream of at most `most` samples. `tables` is a stream of tables alone, or empty.
 pub(super) fn decode(tables: &[u8], stream: &[u8], most: usize) -> Result<Picture, String> {
     if !stream.starts_with(&[0xff, 0xd8]) {
-        return Err("its JPEG data make no sense".into());
+        return Err("its JPEG data is invalid".into());
     }
     let tables = tables.strip_suffix(&[0xff, 0xd9]).unwrap_or(tables);
     let joined = match tables.starts_with(&[0xff, 0xd8]) {
@@ -31,7 +31,7 @@ pub(super) fn decode(tables: &[u8], stream: &[u8], most: usize) -> Result<Pictur
     let options = DecoderOptions::default().set_max_width(1 << 16).set_max_height(1 << 16);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(joined), options);
     decoder.decode_headers().map_err(|e| e.to_string())?;
-    let size = decoder.dimensions().ok_or("its JPEG data make no sense")?;
+    let size = decoder.dimensions().ok_or("its JPEG data is invalid")?;
     let space = decoder.input_colorspace().unwrap_or(ColorSpace::Luma);
     let components = space.num_components();
     if size.0.saturating_mul(size.1).saturating_mul(components) > most {
@@ -40,7 +40,7 @@ pub(super) fn decode(tables: &[u8], stream: &[u8], most: usize) -> Result<Pictur
     decoder.set_options(options.jpeg_set_out_colorspace(space));
     let samples = decoder.decode().map_err(|e| e.to_string())?;
     if samples.len() != size.0 * size.1 * components {
-        return Err("its JPEG data make no sense".into());
+        return Err("its JPEG data is invalid".into());
     }
     Ok(Picture { size: [size.0, size.1], components, samples })
 }

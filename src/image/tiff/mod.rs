@@ -63,7 +63,7 @@ impl Tiff {
         let refuse = |feature: String| unsupported(&name, feature);
         let mut number = |tag: u16| directory.number(file, tag);
         let (Some(width), Some(height)) = (number(256)?, number(257)?) else {
-            return Err(ImageError::damaged(&name, "it does not say how large it is"));
+            return Err(ImageError::damaged(&name, "its size is missing"));
         };
         let compression = Compression::of(number(259)?.unwrap_or(1))
             .map_err(|method| refuse(format!("{method} compression")))?;

@@ -7,7 +7,7 @@ use pse::image::{Input, ReadOptions, read};
 fn told(err: &str) -> (f64, usize) {
     let after = |mark: &str| err.split(mark).nth(1).and_then(|rest| rest.split_whitespace().next());
     let peak = after("peak memory").and_then(|n| n.parse().ok()).expect("the peak");
-    (peak, after("rows at a time").and_then(|n| n.parse().ok()).expect("the rows"))
+    (peak, after("rows per band").and_then(|n| n.parse().ok()).expect("the rows"))
 }
 
 #[cfg(target_os = "linux")]
@@ -33,11 +33,11 @@ fn memory_is_bounded() {
         }
     }
     let run = "pse run p.pse -i g.exr -o c.exr";
-    f.bad(&format!("{run} --memory 20"), &["the run needs some", "--memory allows 20", "Give it more"]);
-    f.bad(&format!("{run} --memory 120 --repeat 1"), &["the run needs some"]);
+    f.bad(&format!("{run} --memory 20"), &["the run needs about", "--memory allows 20", "Allow more"]);
+    f.bad(&format!("{run} --memory 120 --repeat 1"), &["the run needs about"]);
     f.bad(
         "pse run p.pse -i g.exr -o c.tif --memory 60",
-        &["the run needs some", "Only EXR and PNG are read and written row by row"],
+        &["the run needs about", "Only EXR and PNG are read and written row by row"],
     );
 }
 
@@ -118,8 +118,8 @@ fn what_cannot_stream_says_so() {
     ] {
         let err = f.good(&format!("pse run -e color {files} --stats")).err;
         match expected {
-            Some(words) => assert!(err.contains(&format!("in memory as a whole {words}")), "{files}\n{err}"),
-            None => assert!(!err.contains("in memory as a whole"), "{files}\n{err}"),
+            Some(words) => assert!(err.contains(&format!("held in memory {words}")), "{files}\n{err}"),
+            None => assert!(!err.contains("held in memory"), "{files}\n{err}"),
         }
     }
 }

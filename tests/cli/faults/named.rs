@@ -111,7 +111,7 @@ fn pipes_that_are_given_are_read_and_devices_are_not() {
     f.bad(&soon("run -q -e color -i z.png -o x.exr"), &["it is a device"]);
     f.bad(&soon("info /dev/zero"), &["it is a device"]);
     // Nothing is kept of what is no image, however long it is.
-    f.bad(&format!("{} < /dev/zero", soon("run -q -e color -i - -o x.exr")), &["no image"]);
+    f.bad(&format!("{} < /dev/zero", soon("run -q -e color -i - -o x.exr")), &["is not an image"]);
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn refused(what: &str, change: impl FnOnce(&Path)) -> (Preview, Events, Value) {
     change(&preview.folder.path().join("p.pse"));
     let (status, why) = preview.post("save", &json!({"text": OURS, "saves": 0}));
     assert_eq!(status, 400, "{what}");
-    assert!(why.contains("elsewhere"), "{what}: {why}");
+    assert!(why.contains("another program"), "{what}: {why}");
     let mut again = preview.events();
     let state = again.next("state");
     assert_eq!((&state["conflict"], &state["saved"]), (&json!(true), &json!(false)), "{what}");

@@ -55,13 +55,13 @@ fn obj_statements_that_are_left_out_leave_the_rest() {
     assert_eq!(
         notes("obj", text),
         [
-            "2 lines and points were left out: only faces are read.",
-            "1 curves and free-form surfaces were left out: only faces are read.",
-            "1 statements that call other files were left out: only faces are read.",
+            "2 lines and points were skipped: only faces are read.",
+            "1 curves and free-form surfaces were skipped: only faces are read.",
+            "1 statements that call other files were skipped: only faces are read.",
         ]
     );
     let colours = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 0 1 0\nf 1 2 3\n";
-    assert_eq!(notes("obj", colours), ["The colours of vertices were left out."]);
+    assert_eq!(notes("obj", colours), ["Vertex colours were ignored."]);
 }
 
 #[test]
@@ -91,11 +91,12 @@ fn numbers_that_are_none_are_read_as_nan_is() {
     // A place must be one.
     assert_eq!(
         of("obj", "v 0 0 0\nv -1.#IND 0 0\n").unwrap_err(),
-        "cannot read `a`: vertex 2 is at [NaN 0 0], which is no place"
+        "cannot read `a`: vertex 2 is at [NaN 0 0], which is not a valid position"
     );
     assert_eq!(
         of("obj", "v 1e39 0 0\n").unwrap_err(),
-        "cannot read `a`: vertex 1 is at [1e39 0 0], which is no place".replace("1e39", &1e39f64.to_string())
+        "cannot read `a`: vertex 1 is at [1e39 0 0], which is not a valid position"
+            .replace("1e39", &1e39f64.to_string())
     );
 }
 
@@ -105,7 +106,7 @@ fn normals_and_uv_that_are_not_there_are_left_out() {
     let mesh = of("obj", text).unwrap();
     assert_eq!(uvs(&mesh), [None; 3]);
     assert_eq!(mesh.corners.iter().map(|c| c.normal).collect::<Vec<_>>(), [Some(0), Some(0), None]);
-    let said = "Faces refer 4 times to normals or uv that are not there; these were left out.";
+    let said = "Faces refer 4 times to normals or uv that do not exist; these references were ignored.";
     assert_eq!(notes("obj", text), [said]);
 }
 
@@ -113,11 +114,12 @@ fn normals_and_uv_that_are_not_there_are_left_out() {
 fn an_obj_that_is_cut_within_a_line_is_reported() {
     let whole = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nf 1/1 2/1 3/1\nf 2/1 4/1 3/1";
     assert!(notes("obj", whole).is_empty());
-    let said = ["The file ends within line 7, which is unlike those before it: it may have been cut off."];
+    let said =
+        ["The file ends within line 7, which differs from the lines before it: the file may be cut off."];
     assert_eq!(notes("obj", whole.trim_end_matches("/1")), said);
     assert_eq!(
         notes("obj", whole.trim_end_matches(" 3/1")),
-        [said[0], "1 faces with fewer than three corners were left out."]
+        [said[0], "1 faces with fewer than three corners were skipped."]
     );
     assert_eq!(
         of("obj", format!("{whole}/\nv 1 2")).unwrap_err(),
@@ -144,7 +146,7 @@ fn ply_text_as_programs_write_it() {
     assert_eq!(of("ply", &longer).unwrap(), expected);
     assert_eq!(
         notes("ply", &longer),
-        ["3 lines have more numbers than the header says, which were left out; the first is vertex 1."]
+        ["3 lines have more numbers than the header declares; these were ignored. The first is vertex 1."]
     );
     // Blank lines and tabs; all in one line; an entry in several lines; old line ends; a byte order mark.
     for body in [
@@ -161,7 +163,7 @@ fn ply_text_as_programs_write_it() {
     // As many lines as entries: one that is too short does not take from the next.
     assert_eq!(
         of("ply", ply("ascii", &head, "0 0 0\n1 0\n0 1 0\n3 0 1 2\n3 2 1 0\n")).unwrap_err(),
-        "cannot read `a`: vertex 2 of 3: its line has fewer numbers than the header says"
+        "cannot read `a`: vertex 2 of 3: its line has fewer numbers than the header declares"
     );
     // Both styles of names, lists of any type, faces first, other elements between.
     let other = "comment by hand\nobj_info an old tag\nelement face 2\nproperty int8 flag\n\
@@ -240,7 +242,7 @@ fn gltf_as_the_specification_allows_it() {
     assert!(
         of("gltf", plain.replace(":3,", ":3.5,"))
             .unwrap_err()
-            .contains("`count` is 3.5, which is no whole number")
+            .contains("`count` is 3.5, which is not a whole number")
     );
     // A buffer that nothing needs need not be there, and padding may be missing.
     let more = plain.replace("AAAA\"}]}", "AAAA\"},{\"byteLength\":9,\"uri\":\"none.bin\"}]}");
@@ -258,7 +260,7 @@ fn gltf_with_nothing_to_show_is_empty() {
         r#"{"asset":{"version":"2.1","minVersion":"2.0"},"scenes":[{}]}"#.to_string(),
     ] {
         assert_eq!(of("gltf", &text).unwrap(), Mesh::default(), "{text}");
-        assert_eq!(notes("gltf", &text), ["There is no mesh in its scene."]);
+        assert_eq!(notes("gltf", &text), ["Its scene contains no mesh."]);
     }
     // Without a view all numbers are zeros.
     let zeros = of("gltf", plain.replace("\"bufferView\":0,", "")).unwrap();
@@ -274,20 +276,20 @@ fn gltf_errors_name_the_object() {
         ("\"POSITION\":0", "\"POSITION\":4", "node 0: it refers to accessors[4], but there are only 1"),
         ("\"mesh\":0", "\"mesh\":1", "node 0: it refers to meshes[1], but there are only 1"),
         ("\"nodes\":[0]", "\"nodes\":[0,0]", "node 0 is in the tree of nodes twice"),
-        ("\"nodes\":[0]", "\"nodes\":[-1]", "the scene: `nodes` has -1, which is no whole number"),
-        ("5126", "5124", "node 0: accessor 0: `componentType` is 5124, which stands for no type of numbers"),
+        ("\"nodes\":[0]", "\"nodes\":[-1]", "the scene: `nodes` has -1, which is not a whole number"),
+        ("5126", "5124", "node 0: accessor 0: `componentType` is 5124, which is not a type of numbers"),
         ("VEC3", "VEC2", "node 0: accessor 0 is of type VEC2, where VEC3 is needed"),
         (
             "\"byteLength\":36}],\"buffers\"",
             "\"byteLength\":99}],\"buffers\"",
-            "node 0: buffer view 0 lies outside of its buffer",
+            "node 0: buffer view 0 is outside its buffer",
         ),
         ("\"mesh\":0", "\"mesh\":0,\"scale\":[1,2]", "node 0: `scale` is [1,2], not a list of 3 numbers"),
-        ("2.0", "1.0", "it is of version 1.0 of glTF; version 2 is known here"),
+        ("2.0", "1.0", "it uses glTF version 1.0; pse reads version 2"),
         (
             "\"attributes\"",
             "\"mode\":9,\"attributes\"",
-            "node 0: `mode` is 9, which stands for no kind of primitive",
+            "node 0: `mode` is 9, which is not a kind of primitive",
         ),
     ] {
         assert!(plain.contains(from), "{from}");
@@ -322,10 +324,7 @@ fn pieces_of_glb_may_lack_their_filling() {
         assert_eq!(of("glb", &file).unwrap().points, TRIANGLE, "{filling}");
     }
     let old = text.replace("{\"version\":\"2.0\"}", "{\"version\":1}");
-    assert_eq!(
-        of("gltf", old).unwrap_err(),
-        "cannot read `a`: it is of version 1 of glTF; version 2 is known here"
-    );
+    assert_eq!(of("gltf", old).unwrap_err(), "cannot read `a`: it uses glTF version 1; pse reads version 2");
 }
 
 #[test]
@@ -352,8 +351,8 @@ fn very_many_groups_and_corners() {
     let error = pse::scene::Model::new(of("obj", text + &corners).unwrap()).err().unwrap();
     assert_eq!(
         error.to_string(),
-        "the outline of face 1, of 5000 corners, crosses itself; cut the face into smaller ones; one that crosses itself \
-         may have 1000 corners"
+        "the outline of face 1, of 5000 corners, crosses itself; split the face; a face that crosses itself \
+         can have at most 1000 corners"
     );
 }
 
@@ -363,14 +362,14 @@ fn numbers_with_commas_and_headers_without_a_coordinate() {
     let wrong = error("obj", "v 0,5 1,25 2\n");
     assert!(
         wrong.ends_with(
-            "line 1: `0,5` has a comma where numbers have a point: 0.5. Save the file with decimal points"
+            "line 1: `0,5` has a decimal comma instead of a point: 0.5. Save the file with decimal points"
         ),
         "{wrong}"
     );
     let text = ply("ascii", &VERTICES.replace("property float y\n", ""), "0 0\n1 0\n0 1\n");
     assert!(error("ply", &text).contains("its vertices have no `y`"), "{text}");
     let text = ply("ascii", VERTICES, "0 0 0\n1,5 0 0\n0 1 0\n");
-    assert!(error("ply", &text).contains("`1,5` has a comma"), "{text}");
+    assert!(error("ply", &text).contains("`1,5` has a decimal comma"), "{text}");
 }
 
 #[test]

@@ -126,7 +126,7 @@ function wrong(error) {
   code.wrong(error ? error.places : []);
   if (error) {
     clearTimeout(waiting);
-    if (newest) tell("the last good picture is shown");
+    if (newest) tell("showing the last good picture");
     $("progress").hidden = true;
   }
 }
