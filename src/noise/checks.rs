@@ -93,7 +93,7 @@ pub fn catmull_rom(x: f64) -> f64 {
     }
 }
 
-/// The random value, in -1 … 1, and gradient, of length 1, of a lattice point of the noises of linear functions.
+/// The random value, in -1 … 1, and gradient, its components in -1 … 1 too, of a lattice point of the noises of linear functions.
 pub fn plane_at(seed: u32, point: &[f64]) -> (f64, Vec<f64>) {
     let lattice = Lattice::<Endless, 4>::new(seed, Endless);
     let key = |axis: usize| {
@@ -102,22 +102,9 @@ pub fn plane_at(seed: u32, point: &[f64]) -> (f64, Vec<f64>) {
     };
     let last = if point.len() == 4 { key(2) ^ key(3) } else { key(2) };
     let hash = hash::column(key(0) ^ key(1)).wrapping_mul(hash::stack(last));
-    let further = hash::FURTHER.map(|factor| hash.wrapping_mul(factor));
-    let circle = |bits: u32, square: f64| {
-        let (sign, t) = (if bits >> 31 == 1 { -1.0 } else { 1.0 }, value_of(bits << 1));
-        let (u, radius) = (t * t, sign * square.sqrt());
-        let cos = (0.943_246_5 - u) * (7.601_169 - u) * 0.139_467_81;
-        [radius * cos, radius * t * (2.835_302_8 - u) * 0.544_176_06]
-    };
-    let first = value_of(hash);
-    let gradient = if point.len() == 4 {
-        let share = 0.5 * (first + 1.0);
-        [circle(further[0], share), circle(further[1], 1.0 - share)].concat()
-    } else {
-        let [y, z] = circle(further[0], 1.0 - first * first);
-        [first, y, z][..point.len()].to_vec()
-    };
-    (value_of(further[2]), gradient)
+    let (bits, size) = if point.len() == 4 { (8, 0.75_f64.sqrt()) } else { (11, 1.0) };
+    let gradient = (0..point.len()).map(|k| value_of(hash << (bits * k)) * size).collect();
+    (value_of(hash.wrapping_mul(hash::FURTHER)), gradient)
 }
 
 /// A noise is the sum over lattice points, of what a kernel makes of the point's hash and the offset from it:

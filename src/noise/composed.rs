@@ -15,14 +15,13 @@
 // Loops over axes index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::field::{Field, TILE, coordinates, load, tiles};
+use super::field::{TILE, Tile, Tiled};
 use super::hash::{self, more};
 use super::kind::{Contract, Kind, Smoothness};
 use super::lattice::{Lattice, Wrap, lattice_field};
 use super::options::Opt;
 use super::tensor::{catmull_rom, catmull_rom_slopes, dot};
 use super::value::{SCALE, values};
-use crate::lanes::{Isa, Kernel};
 
 /// Composed noise.
 pub static KIND: Kind = Kind {
@@ -48,14 +47,9 @@ pub static KIND: Kind = Kind {
     },
     make: |d, params| {
         let sum = params.choice(Opt::Composition) == 1;
-        lattice_field!(d, params, [2 3 4], just |lattice| Composed { lattice, sum })
+        lattice_field!(d, params, [2 3 4], |lattice| Composed { lattice, sum })
     },
 };
-
-/// For [`lattice_field`]: nothing is made of the algorithm, it is a field.
-fn just<F, const D: usize>(field: F) -> F {
-    field
-}
 
 struct Composed<W, const D: usize> {
     lattice: Lattice<W, D>,
@@ -108,9 +102,15 @@ impl<W: Wrap<D>, const D: usize> Composed<W, D> {
         [hash(low - 1.0), hash(low), hash(low + 1.0), hash(low + 2.0)]
     }
 
+    /// What the whole is multiplied by.
+    #[inline(always)]
+    fn scale(&self) -> f32 {
+        if self.sum { 1.0 / D as f32 } else { 1.0 }
+    }
+
     /// Finds the parts, of which the noise is put together; the slopes only for the derivative.
     #[inline(always)]
-    fn parts<const SLOPES: bool>(&self, p: &[[f32; TILE]; D], work: usize) -> Parts<D> {
+    fn parts<const SLOPES: bool>(&self, p: [&[f32; TILE]; D], work: usize) -> Parts<D> {
         let zero = [[0.0; TILE]; D];
         let mut parts = Parts { displaced: zero, shear: [zero; D], noise: zero, slope: zero };
         const { assert!(D < DISPLACEMENT.len()) };
@@ -142,7 +142,7 @@ impl<W: Wrap<D>, const D: usize> Composed<W, D> {
         j: usize,
         parts: &mut Parts<D>,
         low: &mut [[f32; TILE]; D],
-        p: &[[f32; TILE]; D],
+        p: [&[f32; TILE]; D],
         work: usize,
     ) {
         let scale = SCALE * DISPLACEMENT[D];
@@ -152,7 +152,10 @@ impl<W: Wrap<D>, const D: usize> Composed<W, D> {
             low[j][i] = p[j][i].floor();
             [a[i], b[i], c[i], d[i]] = self.hashes(j, low[j][i], 0);
         }
-        for k in (0..D).filter(|&k| k != j) {
+        for k in 0..D {
+            if k == j {
+                continue;
+            }
             for i in 0..work {
                 let (t, values) = (p[j][i] - low[j][i], values([a[i], b[i], c[i], d[i]]));
                 parts.displaced[k][i] += dot(values, b_spline(t)) * scale;
@@ -171,7 +174,7 @@ impl<W: Wrap<D>, const D: usize> Composed<W, D> {
         k: usize,
         parts: &mut Parts<D>,
         low: &[[f32; TILE]; D],
-        p: &[[f32; TILE]; D],
+        p: [&[f32; TILE]; D],
         work: usize,
     ) {
         for i in 0..work {
@@ -187,76 +190,49 @@ impl<W: Wrap<D>, const D: usize> Composed<W, D> {
     }
 }
 
-impl<W: Wrap<D>, const D: usize> Field for Composed<W, D> {
-    fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
-        isa.run(Values { composed: self, p: coordinates(p), out });
-    }
-
-    fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
-        assert_eq!(out.len(), D, "derivatives of {D} coordinates");
-        isa.run(Derivatives { composed: self, p: coordinates(p), out });
-    }
-}
-
-struct Values<'a, W, const D: usize> {
-    composed: &'a Composed<W, D>,
-    p: [&'a [f32]; D],
-    out: &'a mut [f32],
-}
-
-impl<W: Wrap<D>, const D: usize> Kernel for Values<'_, W, D> {
-    type Output = ();
+impl<W: Wrap<D>, const D: usize> Tiled<D> for Composed<W, D> {
+    type Scratch = ();
     #[inline(always)]
-    fn run(self) {
-        for (start, end) in tiles(self.out.len()) {
-            let (p, work) = load(&self.p, start, end);
-            let noise = self.composed.parts::<false>(&p, work).noise;
-            let mut all = noise[0];
-            for k in 1..D {
-                for i in 0..TILE {
-                    all[i] = if self.composed.sum { all[i] + noise[k][i] } else { all[i] * noise[k][i] };
-                }
-            }
-            let scale = if self.composed.sum { 1.0 / D as f32 } else { 1.0 };
-            for (out, all) in self.out[start..end].iter_mut().zip(&all) {
-                *out = all * scale;
+    fn scratch(&self) {}
+
+    #[inline(always)]
+    fn values(&self, (): &mut (), tile: Tile<'_, D>, out: &mut [f32; TILE]) {
+        let noise = self.parts::<false>(tile.p, tile.work()).noise;
+        let mut all = noise[0];
+        for k in 1..D {
+            for i in 0..TILE {
+                all[i] = if self.sum { all[i] + noise[k][i] } else { all[i] * noise[k][i] };
             }
         }
+        let scale = self.scale();
+        for i in 0..TILE {
+            out[i] = all[i] * scale;
+        }
     }
-}
 
-struct Derivatives<'a, 'b, W, const D: usize> {
-    composed: &'a Composed<W, D>,
-    p: [&'a [f32]; D],
-    out: &'a mut [&'b mut [f32]],
-}
-
-impl<W: Wrap<D>, const D: usize> Kernel for Derivatives<'_, '_, W, D> {
-    type Output = ();
     #[inline(always)]
-    fn run(self) {
-        for (start, end) in tiles(self.p[0].len()) {
-            let (p, work) = load(&self.p, start, end);
-            let Parts { shear, noise, mut slope, .. } = self.composed.parts::<true>(&p, work);
-            // The derivative by each displaced coordinate.
-            for k in 0..D {
-                for j in (0..D).filter(|&j| j != k) {
-                    for i in 0..TILE {
-                        slope[k][i] *= if self.composed.sum { 1.0 } else { noise[j][i] };
-                    }
+    fn slopes(&self, (): &mut (), tile: Tile<'_, D>, out: &mut [[f32; TILE]; D]) {
+        let Parts { shear, noise, mut slope, .. } = self.parts::<true>(tile.p, tile.work());
+        // The derivative by each displaced coordinate.
+        for k in 0..D {
+            for j in 0..D {
+                for i in 0..TILE {
+                    slope[k][i] *= if j == k || self.sum { 1.0 } else { noise[j][i] };
                 }
             }
-            let scale = if self.composed.sum { 1.0 / D as f32 } else { 1.0 };
-            for j in 0..D {
-                let mut all = slope[j];
-                for k in (0..D).filter(|&k| k != j) {
+        }
+        let scale = self.scale();
+        for j in 0..D {
+            let mut all = slope[j];
+            for k in 0..D {
+                if k != j {
                     for i in 0..TILE {
                         all[i] += slope[k][i] * shear[k][j][i];
                     }
                 }
-                for (out, all) in self.out[j][start..end].iter_mut().zip(&all) {
-                    *out = all * scale;
-                }
+            }
+            for i in 0..TILE {
+                out[j][i] = all[i] * scale;
             }
         }
     }

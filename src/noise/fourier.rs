@@ -21,7 +21,7 @@
 //!   dimensions.
 
 use super::fft::Complex;
-use super::field::Field;
+use super::field::{ByTiles, Field};
 use super::hash;
 use super::kind::{Contract, Kind, Smoothness, Unfit};
 use super::lattice::{Endless, Lattice};
@@ -56,9 +56,9 @@ pub static KIND: Kind = Kind {
     },
     make: |d, params| {
         Ok(match d {
-            1 => Arc::new(synthesis::<1>(params)?) as Arc<dyn Field>,
-            2 => Arc::new(synthesis::<2>(params)?),
-            _ => Arc::new(synthesis::<3>(params)?),
+            1 => Arc::new(ByTiles(synthesis::<1>(params)?)) as Arc<dyn Field>,
+            2 => Arc::new(ByTiles(synthesis::<2>(params)?)),
+            _ => Arc::new(ByTiles(synthesis::<3>(params)?)),
         })
     },
 };

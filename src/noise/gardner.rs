@@ -193,7 +193,8 @@ impl<const D: usize> Kernel for Angles<'_, D> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let (p, _) = load(self.p, self.start, self.end);
+        let mut padded = [[0.0; TILE]; D];
+        let p = load(self.p, (self.start, self.end), &mut padded).p;
         for k in 0..D {
             for (wave, angles) in self.waves[k].iter().zip(&mut self.angles[k]) {
                 for lane in 0..TILE {

@@ -1,12 +1,11 @@
 //! Gradient noise: Perlin, SIGGRAPH 92 course 23, section 3.6.2 "The noise function"; Peachey's gnoise.
 //!
-//! Each lattice point has value 0 and a random gradient of length 1; cubic weights blend them, times 1.5.
-//! Where the course has a table of 256 gradients, this has a hash, so nothing repeats.
-//! In four dimensions gradients are directions in four dimensions.
+//! Each lattice point has value 0 and a random gradient, even in a cube whose mean square length is 1; cubic weights
+//! blend them, times 1.5. Where the course has a table of 256 gradients, this has a hash, so nothing repeats.
 
 use super::kind::{Contract, Kind, Smoothness};
 use super::lattice::lattice_field;
-use super::linear::{Linear, Planes, Tiled};
+use super::linear::{Linear, Planes};
 use super::options::Opt;
 
 /// Gradient noise, 1992.
@@ -16,17 +15,17 @@ pub static KIND: Kind = Kind {
     dimensions: 1..=4,
     options: &[Opt::Period],
     contract: Contract {
-        // 1.5 times the distance from the middle of a cell to its corners.
-        bounds: &[[-0.75, 0.75], [-1.061, 1.061], [-1.30, 1.30], [-1.501, 1.501]],
+        // 1.5 times the sum of the offsets from the middle of a cell to its corners, in four dimensions times √¾.
+        bounds: &[[-0.75, 0.75], [-1.5, 1.5], [-2.25, 2.25], [-2.5981, 2.5981]],
         mean: 0.0,
         deviation: 0.274,
         lattice: "0",
         smoothness: Smoothness::C1,
         cost: 1.0,
         source: "Perlin 1992, section 3.6.2; Peachey, \"Gradient Noise\"",
-        remarks: "",
+        remarks: "Of four million points six in 100,000 were beyond ±1, and none beyond ±1.26.",
     },
-    make: |d, params| lattice_field!(fast d, params, [1 2 3 4], Tiled |lattice| Linear::<Gradient, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(fast d, params, [1 2 3 4], |lattice| Linear::<Gradient, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]

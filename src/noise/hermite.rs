@@ -17,7 +17,7 @@
 
 use super::kind::{Contract, Kind, Smoothness};
 use super::lattice::lattice_field;
-use super::linear::{Linear, Planes, Tiled};
+use super::linear::{Linear, Planes};
 use super::options::Opt;
 
 /// Hermite noise.
@@ -27,8 +27,8 @@ pub static KIND: Kind = Kind {
     dimensions: 1..=4,
     options: &[Opt::Period],
     contract: Contract {
-        // 1, and the length of u in the middle of a cell, where each component is ¼.
-        bounds: &[[-1.25, 1.25], [-1.354, 1.354], [-1.434, 1.434], [-1.501, 1.501]],
+        // 1, and the sum of the components of u in the middle of a cell, ¼ each, in four dimensions times √¾.
+        bounds: &[[-1.25, 1.25], [-1.5, 1.5], [-1.75, 1.75], [-1.8661, 1.8661]],
         mean: 0.0,
         deviation: 0.384,
         lattice: "even in -1 … 1",
@@ -38,9 +38,9 @@ pub static KIND: Kind = Kind {
         remarks: "Its spectrum rises evenly from 0 to its peak near 0.28 cycles a unit and falls evenly to \
                   nothing at 1 (0.35 % lies above): low, and too wide to add up octaves neatly. Components \
                   of the gradients across an axis are not interpolated linearly, which would make the slope \
-                  jump from cell to cell. Of four million points all were within ±1.2.",
+                  jump from cell to cell. Of four million points all were within ±1.22.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], Tiled |lattice| Linear::<Hermite, _, _>::new(lattice)),
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Linear::<Hermite, _, _>::new(lattice)),
 };
 
 #[derive(Clone, Copy, Debug)]
@@ -48,13 +48,13 @@ struct Hermite;
 
 impl Planes for Hermite {
     const SCALE: f32 = 1.0;
-    /// As much as gradients of length 1 are in the mean square, if each of three components were even in -1 … 1.
+    /// As much as a component of a gradient.
     const VALUE: f32 = 1.0;
     const STRETCHES: bool = true;
 
     #[inline(always)]
-    fn offsets(t: f32, unit: f32) -> [f32; 2] {
-        [t * (unit / (1.0 + 2.0 * t)), (t - 1.0) * (unit / (3.0 - 2.0 * t))]
+    fn offsets(t: f32) -> [f32; 2] {
+        [t / (1.0 + 2.0 * t), (t - 1.0) / (3.0 - 2.0 * t)]
     }
 
     #[inline(always)]
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn as_usual() {
         usual(&KIND, &Params::seeded(3));
-        assert_eq!(pinned(&KIND, &Params::default()), [0xbec2_7ec0, 0xbe50_68b2, 0xbca7_eed8, 0x3eb7_dbe4]);
+        assert_eq!(pinned(&KIND, &Params::default()), [0x3dab_6990, 0xbe45_31e1, 0x3e63_1d75, 0xbd11_a99e]);
     }
 
     #[test]

@@ -107,38 +107,33 @@ impl<W: Wrap<D>, const D: usize> Lattice<W, D> {
 }
 
 /// Makes the field of a lattice algorithm: for each number of dimensions listed. `|lattice| algorithm` is the
-/// [`Pointwise`] algorithm on a [`Lattice`], whatever its dimension. An algorithm of another sort has the name of its
-/// field before that, in place of `Each`. `fast` before all makes a field of its own for a lattice without a period,
-/// which is some percent faster, and twice as long to compile.
+/// [`Tiled`](super::field::Tiled) algorithm on a [`Lattice`], whatever its dimension. `fast` before all makes a field
+/// of its own for a lattice without a period, which is some percent faster, and twice as long to compile.
 macro_rules! lattice_field {
-    (fast $dimensions:expr, $params:expr, [$($d:literal)*], $field:ident |$lattice:ident| $algorithm:expr) => {{
-        use $crate::noise::{lattice::{Endless, Lattice, lattice_field}, options::Params};
+    (fast $dimensions:expr, $params:expr, [$($d:literal)*], |$lattice:ident| $algorithm:expr) => {{
+        use $crate::noise::{field::ByTiles, lattice::{Endless, Lattice, lattice_field}, options::Params};
         let (dimensions, params): (usize, &Params) = ($dimensions, $params);
         let endless: Option<std::sync::Arc<dyn $crate::noise::Field>> = match dimensions {
             $($d if params.period::<$d>()?.is_none() => {
                 let $lattice = Lattice::<Endless, $d>::new(params.seed, Endless);
-                Some(std::sync::Arc::new($field::<_, $d>($algorithm)))
+                Some(std::sync::Arc::new(ByTiles::<_, $d>($algorithm)))
             },)*
             _ => None,
         };
         match endless {
             Some(field) => Ok(field),
-            None => lattice_field!(dimensions, params, [$($d)*], $field |$lattice| $algorithm),
+            None => lattice_field!(dimensions, params, [$($d)*], |$lattice| $algorithm),
         }
     }};
     ($dimensions:expr, $params:expr, [$($d:literal)*], |$lattice:ident| $algorithm:expr) => {{
-        use $crate::noise::{field::Each, lattice::lattice_field};
-        lattice_field!($dimensions, $params, [$($d)*], Each |$lattice| $algorithm)
-    }};
-    ($dimensions:expr, $params:expr, [$($d:literal)*], $field:ident |$lattice:ident| $algorithm:expr) => {{
-        use $crate::noise::lattice::{Lattice, Periodic};
+        use $crate::noise::{field::ByTiles, lattice::{Lattice, Periodic}};
         let (dimensions, params): (usize, &$crate::noise::options::Params) = ($dimensions, $params);
         Ok(match dimensions {
             $($d => {
                 // A period of 0 is none.
                 let period = params.period::<$d>()?.unwrap_or([0.0; $d]);
                 let $lattice = Lattice::<_, $d>::new(params.seed, Periodic(period));
-                std::sync::Arc::new($field::<_, $d>($algorithm)) as std::sync::Arc<dyn $crate::noise::Field>
+                std::sync::Arc::new(ByTiles::<_, $d>($algorithm)) as std::sync::Arc<dyn $crate::noise::Field>
             },)*
             _ => unreachable!("the kind has no such dimension"),
         })

@@ -40,7 +40,7 @@ pub static KIND: Kind = Kind {
                   places: its deviation is 0.6 at lattice points and 0.2 in the middle of cells. Of four \
                   million points all were within ±1.6. In one dimension it is `value`, but for rounding.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], ByRows |lattice| Convolution { lattice }),
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| ByRows(Convolution { lattice })),
 };
 
 struct Convolution<W, const D: usize> {

@@ -26,7 +26,7 @@
 //! - Along axes waves have 5 to 10 % more power than along diagonals; squared differences over a distance are
 //!   the same within 2 %, over many seeds.
 
-use super::field::Field;
+use super::field::{ByTiles, Field};
 use super::hash;
 use super::kind::{Contract, Kind, Smoothness, Unfit};
 use super::lattice::{Endless, Lattice};
@@ -60,9 +60,9 @@ pub static KIND: Kind = Kind {
     },
     make: |d, params| {
         Ok(match d {
-            1 => Arc::new(displacement::<1>(params)?) as Arc<dyn Field>,
-            2 => Arc::new(displacement::<2>(params)?),
-            _ => Arc::new(displacement::<3>(params)?),
+            1 => Arc::new(ByTiles(displacement::<1>(params)?)) as Arc<dyn Field>,
+            2 => Arc::new(ByTiles(displacement::<2>(params)?)),
+            _ => Arc::new(ByTiles(displacement::<3>(params)?)),
         })
     },
 };

@@ -39,9 +39,10 @@ impl Kernel for Random<'_> {
             let mut hashes = [self.seed; field::TILE];
             let mut poison = [0.0; field::TILE];
             for coord in self.coords {
-                let ([tile], work) = field::load(&[coord], start, end);
-                for i in 0..work {
-                    let x = tile[i] + 0.0; // one of the two zeros
+                let mut padded = [[0.0; field::TILE]];
+                let tile = field::load(&[coord], (start, end), &mut padded);
+                for i in 0..tile.work() {
+                    let x = tile.p[0][i] + 0.0; // one of the two zeros
                     // One to one in x, with the hash so far turned lest (x, y) and (y, x) be alike.
                     hashes[i] = mix(hashes[i].rotate_left(13).wrapping_mul(SEED) ^ x.to_bits());
                     poison[i] += if x.is_nan() { x } else { 0.0 };

@@ -157,6 +157,6 @@ mod tests {
         }
         assert!(options().contains("| `period` |") && options().contains("[gradient](#gradient)"));
         let gradient = Kind::from_name("gradient").expect("the kind");
-        assert_eq!(bounds(gradient), "±0.75 in 1-D, ±1.061 in 2-D, ±1.3 in 3-D, ±1.501 in 4-D");
+        assert_eq!(bounds(gradient), "±0.75 in 1-D, ±1.5 in 2-D, ±2.25 in 3-D, ±2.5981 in 4-D");
     }
 }

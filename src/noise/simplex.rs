@@ -22,7 +22,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::direction::{LENGTH, along, direction};
-use super::field::{Each, Jet, Pointwise};
+use super::field::{ByTiles, Each, Jet, Pointwise};
 use super::hash;
 use super::kind::{Contract, Kind, Smoothness};
 use super::lattice::{Endless, Lattice};
@@ -53,10 +53,10 @@ pub static KIND: Kind = Kind {
     make: |dimensions, params| {
         let seed = related_seed(params.seed, SALT);
         Ok(match dimensions {
-            1 => Arc::new(Each::<_, 1>(Simplex(Lattice::new(seed, Endless)))),
-            2 => Arc::new(Each::<_, 2>(Simplex(Lattice::new(seed, Endless)))),
-            3 => Arc::new(Each::<_, 3>(Simplex(Lattice::new(seed, Endless)))),
-            _ => Arc::new(Each::<_, 4>(Simplex(Lattice::new(seed, Endless)))),
+            1 => Arc::new(ByTiles::<_, 1>(Each(Simplex(Lattice::new(seed, Endless))))),
+            2 => Arc::new(ByTiles::<_, 2>(Each(Simplex(Lattice::new(seed, Endless))))),
+            3 => Arc::new(ByTiles::<_, 3>(Each(Simplex(Lattice::new(seed, Endless))))),
+            _ => Arc::new(ByTiles::<_, 4>(Each(Simplex(Lattice::new(seed, Endless))))),
         })
     },
 };

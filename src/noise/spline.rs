@@ -10,9 +10,8 @@
 // Loops over axes and lanes index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::field::{TILE, load, tiles};
+use super::field::{TILE, Tile, Tiled};
 use super::table::{CELLS, Table, period, size, stride};
-use crate::lanes::Kernel;
 
 /// How many coefficients count along an axis: 4, or 1 along those that there are not.
 const fn across(dimensions: usize, axis: usize) -> usize {
@@ -32,7 +31,7 @@ const fn span(dimensions: usize) -> usize {
 
 /// Where the points of a tile lie. What is the same for all of them is done for whole vectors of lanes; what
 /// takes coefficients goes lane by lane, by vectors of 4 that follow each other in the table.
-struct Places<const D: usize> {
+pub(super) struct Places<const D: usize> {
     /// Where in the table the coefficients of a point's cell begin.
     first: [u32; TILE],
     /// The weights of the 4 coefficients along each axis, times 6.
@@ -49,7 +48,7 @@ impl<const D: usize> Places<D> {
 
     /// Finds the points' cells, and tells how far along each axis of its cell each is, 0 to 1.
     #[inline(always)]
-    fn find(&mut self, p: &[[f32; TILE]; D], work: usize) -> [[f32; TILE]; D] {
+    fn find(&mut self, p: [&[f32; TILE]; D], work: usize) -> [[f32; TILE]; D] {
         let (mut along, mut first) = ([[0.0; TILE]; D], [0; TILE]);
         for k in 0..D {
             for i in 0..work {
@@ -108,7 +107,7 @@ impl<const D: usize> Places<D> {
 }
 
 /// Four numbers, one for each coefficient along x.
-type Line = [f32; 4];
+pub(super) type Line = [f32; 4];
 
 /// The b-th line of the c-th plane.
 #[inline(always)]
@@ -135,106 +134,85 @@ fn along_x(lines: &[Line; TILE], weights: &[[f32; TILE]; 4], out: &mut [f32; TIL
     }
 }
 
-/// The values of a table at points.
-pub(super) struct Values<'a, const D: usize> {
-    pub table: &'a Table<D>,
-    pub p: [&'a [f32]; D],
-    pub out: &'a mut [f32],
-}
-
-impl<const D: usize> Kernel for Values<'_, D> {
-    type Output = ();
+impl<const D: usize> Tiled<D> for Table<D> {
+    /// Where the points of a tile lie, and lines for the derivative along each axis: sums over y and z, with slopes
+    /// along that axis.
+    type Scratch = (Places<D>, [[Line; TILE]; D]);
     #[inline(always)]
-    fn run(self) {
-        let (mut places, mut lines, mut values) = (Places::new(), [[0.0; 4]; TILE], [0.0; TILE]);
-        for (start, end) in tiles(self.out.len()) {
-            let (p, work) = load(&self.p, start, end);
-            let along = places.find(&p, work);
-            places.weigh(&along, work);
-            let (y, z) = (&places.weights[1 % D], &places.weights[2 % D]);
-            for i in 0..end - start {
-                let window = places.window(self.table, i);
-                let mut sum = [0.0; 4];
-                for c in 0..across(D, 2) {
-                    let mut plane = [0.0; 4];
-                    for b in 0..across(D, 1) {
-                        add(&mut plane, if D > 1 { y[b][i] } else { 1.0 }, line::<D>(window, b, c));
-                    }
-                    add(&mut sum, if D > 2 { z[c][i] } else { 1.0 }, plane);
-                }
-                lines[i] = sum;
-            }
-            along_x(&lines, &places.weights[0], &mut values, work);
-            self.out[start..end].copy_from_slice(&values[..end - start]);
-        }
+    fn scratch(&self) -> Self::Scratch {
+        (Places::new(), [[[0.0; 4]; TILE]; D])
     }
-}
 
-/// Their derivatives.
-pub(super) struct Derivatives<'a, 'b, const D: usize> {
-    pub table: &'a Table<D>,
-    pub p: [&'a [f32]; D],
-    pub out: &'a mut [&'b mut [f32]],
-}
-
-impl<const D: usize> Kernel for Derivatives<'_, '_, D> {
-    type Output = ();
     #[inline(always)]
-    fn run(self) {
-        // Lines for the derivative along each axis: sums over y and z, with slopes along that axis.
-        let (mut places, mut lines, mut gradient) = (Places::new(), [[[0.0; 4]; TILE]; D], [0.0; TILE]);
-        for (start, end) in tiles(self.p[0].len()) {
-            let (p, work) = load(&self.p, start, end);
-            let along = places.find(&p, work);
-            places.weigh(&along, work);
-            places.slope(&along, work);
-            let (y, z) = (&places.weights[1 % D], &places.weights[2 % D]);
-            let (dy, dz) = (&places.slopes[1 % D], &places.slopes[2 % D]);
-            for i in 0..end - start {
-                let window = places.window(self.table, i);
-                let mut sums = [[0.0; 4]; D];
-                for c in 0..across(D, 2) {
-                    let (mut plane, mut sloping) = ([0.0; 4], [0.0; 4]);
-                    for b in 0..across(D, 1) {
-                        let line = line::<D>(window, b, c);
-                        add(&mut plane, if D > 1 { y[b][i] } else { 1.0 }, line);
-                        if D > 1 {
-                            add(&mut sloping, dy[b][i], line);
-                        }
-                    }
-                    let weight = if D > 2 { z[c][i] } else { 1.0 };
-                    add(&mut sums[0], weight, plane);
+    fn values(&self, (places, lines): &mut Self::Scratch, tile: Tile<'_, D>, out: &mut [f32; TILE]) {
+        let along = places.find(tile.p, tile.work());
+        places.weigh(&along, tile.work());
+        let (y, z) = (&places.weights[1 % D], &places.weights[2 % D]);
+        for i in 0..tile.lanes.min(TILE) {
+            let window = places.window(self, i);
+            let mut sum = [0.0; 4];
+            for c in 0..across(D, 2) {
+                let mut plane = [0.0; 4];
+                for b in 0..across(D, 1) {
+                    add(&mut plane, if D > 1 { y[b][i] } else { 1.0 }, line::<D>(window, b, c));
+                }
+                add(&mut sum, if D > 2 { z[c][i] } else { 1.0 }, plane);
+            }
+            lines[0][i] = sum;
+        }
+        along_x(&lines[0], &places.weights[0], out, tile.work());
+    }
+
+    #[inline(always)]
+    fn slopes(&self, (places, lines): &mut Self::Scratch, tile: Tile<'_, D>, out: &mut [[f32; TILE]; D]) {
+        let along = places.find(tile.p, tile.work());
+        places.weigh(&along, tile.work());
+        places.slope(&along, tile.work());
+        let (y, z) = (&places.weights[1 % D], &places.weights[2 % D]);
+        let (dy, dz) = (&places.slopes[1 % D], &places.slopes[2 % D]);
+        for i in 0..tile.lanes.min(TILE) {
+            let window = places.window(self, i);
+            let mut sums = [[0.0; 4]; D];
+            for c in 0..across(D, 2) {
+                let (mut plane, mut sloping) = ([0.0; 4], [0.0; 4]);
+                for b in 0..across(D, 1) {
+                    let line = line::<D>(window, b, c);
+                    add(&mut plane, if D > 1 { y[b][i] } else { 1.0 }, line);
                     if D > 1 {
-                        add(&mut sums[1 % D], weight, sloping);
-                    }
-                    if D > 2 {
-                        add(&mut sums[2 % D], dz[c][i], plane);
+                        add(&mut sloping, dy[b][i], line);
                     }
                 }
-                for k in 0..D {
-                    lines[k][i] = sums[k];
+                let weight = if D > 2 { z[c][i] } else { 1.0 };
+                add(&mut sums[0], weight, plane);
+                if D > 1 {
+                    add(&mut sums[1 % D], weight, sloping);
+                }
+                if D > 2 {
+                    add(&mut sums[2 % D], dz[c][i], plane);
                 }
             }
-            for (k, out) in self.out.iter_mut().enumerate() {
-                let weights = if k == 0 { &places.slopes[0] } else { &places.weights[0] };
-                along_x(&lines[k], weights, &mut gradient, work);
-                out[start..end].copy_from_slice(&gradient[..end - start]);
+            for k in 0..D {
+                lines[k][i] = sums[k];
             }
+        }
+        for k in 0..D {
+            let weights = if k == 0 { &places.slopes[0] } else { &places.weights[0] };
+            along_x(&lines[k], weights, &mut out[k], tile.work());
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::field::Field;
+    use super::super::field::{ByTiles, Field};
     use super::super::hash;
     use super::super::table::{gaussian, place};
     use super::*;
     use crate::lanes::Isa;
 
-    fn table<const D: usize>() -> Table<D> {
+    fn table<const D: usize>() -> ByTiles<Table<D>, D> {
         let n = size(D).pow(D as u32) as u32;
-        Table::smoothed(&(0..n).map(|i| gaussian(hash::mix(i))[0]).collect::<Vec<f64>>())
+        ByTiles(Table::smoothed(&(0..n).map(|i| gaussian(hash::mix(i))[0]).collect::<Vec<f64>>()))
     }
 
     /// Points with no more than 6 binary digits, in -size … size.
@@ -247,13 +225,13 @@ mod tests {
         p.iter().map(Vec::as_slice).collect()
     }
 
-    fn values<const D: usize>(table: &Table<D>, isa: Isa, p: &[&[f32]]) -> Vec<f32> {
+    fn values<const D: usize>(table: &ByTiles<Table<D>, D>, isa: Isa, p: &[&[f32]]) -> Vec<f32> {
         let mut out = vec![0.0; p[0].len()];
         table.noise(isa, p, &mut out);
         out
     }
 
-    fn gradients<const D: usize>(table: &Table<D>, isa: Isa, p: &[&[f32]]) -> Vec<Vec<f32>> {
+    fn gradients<const D: usize>(table: &ByTiles<Table<D>, D>, isa: Isa, p: &[&[f32]]) -> Vec<Vec<f32>> {
         let mut out = vec![vec![0.0; p[0].len()]; D];
         let mut planes: Vec<&mut [f32]> = out.iter_mut().map(Vec::as_mut_slice).collect();
         table.derivative(isa, p, &mut planes);
@@ -309,7 +287,7 @@ mod tests {
         let value = values(&table, Isa::detect(), &slices(&p));
         let gradient = gradients(&table, Isa::detect(), &slices(&p));
         for i in 0..300 {
-            let known = known(&table, std::array::from_fn(|k| p[k][i]));
+            let known = known(&table.0, std::array::from_fn(|k| p[k][i]));
             assert!((f64::from(value[i]) - known[0]).abs() < 2e-6, "{D}-D: {} {}", value[i], known[0]);
             for k in 0..D {
                 let error = (f64::from(gradient[k][i]) - known[k + 1]).abs();

@@ -8,10 +8,9 @@
 //! There are two cells in a unit, and a power of two of them in a period: see [`size`].
 
 use super::fft::{Complex, Direction, transform};
-use super::field::{Field, coordinates};
 use super::hash;
+#[cfg(doc)]
 use super::spline;
-use crate::lanes::Isa;
 
 /// The standard deviation of every table.
 const DEVIATION: f64 = 0.3;
@@ -110,17 +109,6 @@ impl<const D: usize> Table<D> {
     }
 }
 
-impl<const D: usize> Field for Table<D> {
-    fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
-        isa.run(spline::Values { table: self, p: coordinates(p), out });
-    }
-
-    fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
-        assert_eq!(out.len(), D, "derivatives of {D} coordinates");
-        isa.run(spline::Derivatives { table: self, p: coordinates(p), out });
-    }
-}
-
 /// Where along each axis a number of a table stands.
 pub(super) fn place<const D: usize>(i: usize) -> [usize; D] {
     std::array::from_fn(|k| i / size(D).pow(k as u32) % size(D))
@@ -137,7 +125,9 @@ pub(super) fn gaussian(bits: u32) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::field::{ByTiles, Field};
     use super::*;
+    use crate::lanes::Isa;
 
     /// Coefficients without order.
     fn numbers(n: usize) -> Vec<f64> {
@@ -157,7 +147,7 @@ mod tests {
     }
 
     /// Mean and standard deviation of the spline over a period, from several points a cell.
-    fn moments<const D: usize>(table: &Table<D>, each: usize) -> [f64; 2] {
+    fn moments<const D: usize>(table: &ByTiles<Table<D>, D>, each: usize) -> [f64; 2] {
         let n = size(D) * each;
         let at = |i: usize| (i as f32 + 0.5) / (each * CELLS) as f32;
         let x: Vec<f32> = (0..n).map(at).collect();
@@ -184,7 +174,7 @@ mod tests {
             *wave = if k.iter().all(|k| *k < size(D) * 3 / 8) { *wave } else { Complex::default() };
         }
         for table in [Table::<D>::smoothed(&values), Table::of_spectrum(spectrum)] {
-            let [mean, deviation] = moments(&table, 2);
+            let [mean, deviation] = moments(&ByTiles(table), 2);
             assert!(mean.abs() < 1e-6 && (deviation - DEVIATION).abs() < 2e-3, "{D}-D: {mean} {deviation}");
         }
     }
@@ -203,7 +193,7 @@ mod tests {
         let mut spectrum = vec![Complex::default(); n];
         spectrum[k] = Complex { re: 0.6, im: -0.8 };
         spectrum[n - k] = spectrum[k].conjugate();
-        let table = Table::<1>::of_spectrum(spectrum);
+        let table = ByTiles::<_, 1>(Table::of_spectrum(spectrum));
         let x: Vec<f32> = (0..8 * n).map(|i| i as f32 / (8 * CELLS) as f32).collect();
         let mut out = vec![0.0; x.len()];
         table.noise(Isa::detect(), &[&x], &mut out);

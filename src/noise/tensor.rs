@@ -7,10 +7,10 @@
 // Loops over axes index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::field::{Field, TILE, coordinates, load, tiles};
+use super::field::{TILE, Tile, Tiled};
 use super::hash;
 use super::lattice::{Lattice, Wrap};
-use crate::lanes::{Isa, Kernel, array};
+use crate::lanes::array;
 
 /// An algorithm that adds up what each row of lattice points gives. Its functions must be
 /// `#[inline(always)]`.
@@ -53,11 +53,11 @@ pub(super) struct Row<const D: usize> {
     pub line_slopes: [f32; D],
 }
 
-/// The field of such an algorithm.
-pub(super) struct ByRows<A, const D: usize>(pub A);
+/// Such an algorithm, tile by tile.
+pub(super) struct ByRows<A>(pub A);
 
 /// What the lanes of a tile know of the four lattice points along each axis.
-struct Tile<const D: usize> {
+pub(super) struct Axes<const D: usize> {
     /// Where in its cell the point is.
     t: [[f32; TILE]; D],
     keys: [[[u32; TILE]; 4]; D],
@@ -65,10 +65,10 @@ struct Tile<const D: usize> {
     slopes: [[[f32; TILE]; 4]; D],
 }
 
-impl<const D: usize> Tile<D> {
+impl<const D: usize> Axes<D> {
     #[inline(always)]
-    fn new() -> Tile<D> {
-        Tile {
+    fn new() -> Axes<D> {
+        Axes {
             t: [[0.0; TILE]; D],
             keys: [[[0; TILE]; 4]; D],
             factors: [[[0.0; TILE]; 4]; D],
@@ -78,7 +78,7 @@ impl<const D: usize> Tile<D> {
 
     /// Fills the first lanes for these points.
     #[inline(always)]
-    fn fill<A: Rows<D>, const SLOPES: bool>(&mut self, algorithm: &A, p: &[[f32; TILE]; D], work: usize) {
+    fn fill<A: Rows<D>, const SLOPES: bool>(&mut self, algorithm: &A, p: [&[f32; TILE]; D], work: usize) {
         // Axis by axis as code, not as a loop: what differs between axes is then known to the compiler.
         self.fill_axis::<A, SLOPES>(0, algorithm, p, work);
         if D > 1 {
@@ -97,7 +97,7 @@ impl<const D: usize> Tile<D> {
         &mut self,
         k: usize,
         algorithm: &A,
-        p: &[[f32; TILE]; D],
+        p: [&[f32; TILE]; D],
         work: usize,
     ) {
         let lattice = algorithm.lattice();
@@ -164,86 +164,59 @@ fn rows<const D: usize>() -> impl Iterator<Item = ([usize; D], bool)> {
     })
 }
 
-impl<A: Rows<D>, const D: usize> Field for ByRows<A, D> {
-    fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
-        isa.run(Values { algorithm: &self.0, p: coordinates(p), out });
-    }
-
-    fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
-        assert_eq!(out.len(), D, "derivatives of {D} coordinates");
-        isa.run(Derivatives { algorithm: &self.0, p: coordinates(p), out });
-    }
-}
-
-struct Values<'a, A, const D: usize> {
-    algorithm: &'a A,
-    p: [&'a [f32]; D],
-    out: &'a mut [f32],
-}
-
-impl<A: Rows<D>, const D: usize> Kernel for Values<'_, A, D> {
-    type Output = ();
+impl<A: Rows<D>, const D: usize> Tiled<D> for ByRows<A> {
+    type Scratch = Axes<D>;
     #[inline(always)]
-    fn run(self) {
-        let mut tile = Tile::new();
-        for (start, end) in tiles(self.out.len()) {
-            let (p, work) = load(&self.p, start, end);
-            tile.fill::<A, false>(self.algorithm, &p, work);
-            let mut sums = [0.0; TILE];
-            for (place, corners) in rows() {
-                if A::CORNERS && corners {
-                    for i in 0..work {
-                        sums[i] += self.algorithm.part::<true>(&tile.row(place, i));
-                    }
-                } else {
-                    for i in 0..work {
-                        sums[i] += self.algorithm.part::<false>(&tile.row(place, i));
-                    }
+    fn scratch(&self) -> Axes<D> {
+        Axes::new()
+    }
+
+    #[inline(always)]
+    fn values(&self, axes: &mut Axes<D>, tile: Tile<'_, D>, out: &mut [f32; TILE]) {
+        let work = tile.work();
+        axes.fill::<A, false>(&self.0, tile.p, work);
+        let mut sums = [0.0; TILE];
+        for (place, corners) in rows() {
+            if A::CORNERS && corners {
+                for i in 0..work {
+                    sums[i] += self.0.part::<true>(&axes.row(place, i));
                 }
-            }
-            for (out, sum) in self.out[start..end].iter_mut().zip(&sums) {
-                *out = sum * A::SCALE;
+            } else {
+                for i in 0..work {
+                    sums[i] += self.0.part::<false>(&axes.row(place, i));
+                }
             }
         }
+        for i in 0..TILE {
+            out[i] = sums[i] * A::SCALE;
+        }
     }
-}
 
-struct Derivatives<'a, 'b, A, const D: usize> {
-    algorithm: &'a A,
-    p: [&'a [f32]; D],
-    out: &'a mut [&'b mut [f32]],
-}
-
-impl<A: Rows<D>, const D: usize> Kernel for Derivatives<'_, '_, A, D> {
-    type Output = ();
     #[inline(always)]
-    fn run(self) {
-        let mut tile = Tile::new();
-        for (start, end) in tiles(self.p[0].len()) {
-            let (p, work) = load(&self.p, start, end);
-            tile.fill::<A, true>(self.algorithm, &p, work);
-            let mut sums = [[0.0; TILE]; D];
-            for (place, corners) in rows() {
-                if A::CORNERS && corners {
-                    for i in 0..work {
-                        let part = self.algorithm.derivative::<true>(&tile.row(place, i));
-                        for k in 0..D {
-                            sums[k][i] += part[k];
-                        }
+    fn slopes(&self, axes: &mut Axes<D>, tile: Tile<'_, D>, out: &mut [[f32; TILE]; D]) {
+        let work = tile.work();
+        axes.fill::<A, true>(&self.0, tile.p, work);
+        let mut sums = [[0.0; TILE]; D];
+        for (place, corners) in rows() {
+            if A::CORNERS && corners {
+                for i in 0..work {
+                    let part = self.0.derivative::<true>(&axes.row(place, i));
+                    for k in 0..D {
+                        sums[k][i] += part[k];
                     }
-                } else {
-                    for i in 0..work {
-                        let part = self.algorithm.derivative::<false>(&tile.row(place, i));
-                        for k in 0..D {
-                            sums[k][i] += part[k];
-                        }
+                }
+            } else {
+                for i in 0..work {
+                    let part = self.0.derivative::<false>(&axes.row(place, i));
+                    for k in 0..D {
+                        sums[k][i] += part[k];
                     }
                 }
             }
-            for (out, sums) in self.out.iter_mut().zip(&sums) {
-                for (out, sum) in out[start..end].iter_mut().zip(sums) {
-                    *out = sum * A::SCALE;
-                }
+        }
+        for k in 0..D {
+            for i in 0..TILE {
+                out[k][i] = sums[k][i] * A::SCALE;
             }
         }
     }

@@ -88,14 +88,14 @@ fn known_values() {
     let p = [0.5, 1.25, -2.75, 100.125];
     let got: Vec<f32> = kinds().iter().flat_map(|&kind| (1..=4).map(move |d| one(kind, &p[..d]))).collect();
     let known = [
-        0xbe75_ddec,
-        0x3e44_5fdd,
-        0xbe25_f52e,
-        0x3e8f_362b,
-        0xbdcd_7cb2,
-        0x3f17_4fff,
-        0xbead_0cd9,
-        0x3e57_7639,
+        0xbcbc_3480,
+        0xbeb6_69cc,
+        0x3e42_29ff,
+        0x3c96_dabb,
+        0xbe04_c1ea,
+        0xbf06_b8d0,
+        0x3e42_1510,
+        0x3da4_8bc2,
     ];
     assert_eq!(bits(&got), known, "{got:?}");
 }
@@ -108,13 +108,10 @@ fn lattice_points_have_their_values() {
     let values = noise_at(perlin1985(), &p[..3]);
     assert!(values.iter().all(|v| v.abs() <= 0.5));
     assert!(mean(&values).abs() < 0.03 && (std(&values) - 0.5 / 3.0_f64.sqrt()).abs() < 0.01);
-    // All gradients are as long as the contract says, and no axis is preferred.
+    // Gradients fill a cube, and no axis is preferred.
     for (kind, steepness) in [(perlin1985(), 1.0), (gradient(), 1.5)] {
         let g = dnoise_with(kind, Isa::detect(), &slices(&p[..3]));
-        for i in 0..4000 {
-            let l = length(&g, i);
-            assert!((l / steepness - 1.0).abs() < 3e-4, "{l}");
-        }
+        assert!(g.iter().flatten().all(|g| g.abs() <= steepness));
         for (k, g) in g.iter().enumerate() {
             assert!(mean(g).abs() < 0.04 * f64::from(steepness), "axis {k}: {}", mean(g));
             assert!((std(g) - f64::from(steepness) / 3.0_f64.sqrt()).abs() < 0.02 * f64::from(steepness));

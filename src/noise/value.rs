@@ -28,7 +28,7 @@ pub static KIND: Kind = Kind {
                   jumps from cell to cell. Its deviation is 0.58 at lattice points and 0.3 in the middle of \
                   cells. Of four million points all were within ±1.3.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], ByRows |lattice| Value { lattice }),
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| ByRows(Value { lattice })),
 };
 
 struct Value<W, const D: usize> {

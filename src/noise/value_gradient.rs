@@ -38,7 +38,7 @@ pub static KIND: Kind = Kind {
     },
     make: |d, params| {
         let [value, gradient] = weights(params)?;
-        lattice_field!(d, params, [1 2 3 4], ByRows |lattice| ValueGradient { lattice, value, gradient })
+        lattice_field!(d, params, [1 2 3 4], |lattice| ByRows(ValueGradient { lattice, value, gradient }))
     },
 };
 

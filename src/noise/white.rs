@@ -3,7 +3,7 @@
 //! A random value for each unit cell, the same in all of it: what a hash of the coordinates without their
 //! fractions gives. The other lattice noises are made of such numbers by interpolation.
 
-use super::field::{Jet, Pointwise};
+use super::field::{Each, Jet, Pointwise};
 use super::hash;
 use super::kind::{Contract, Kind, Smoothness};
 use super::lattice::{Lattice, Wrap, lattice_field};
@@ -26,7 +26,7 @@ pub static KIND: Kind = Kind {
         source: "Lewis 1989, section 2.2",
         remarks: "Its derivative is 0. It has energy at all frequencies, so pictures of it alias.",
     },
-    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| White { lattice }),
+    make: |d, params| lattice_field!(d, params, [1 2 3 4], |lattice| Each(White { lattice })),
 };
 
 #[derive(Clone, Copy)]

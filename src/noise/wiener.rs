@@ -36,6 +36,7 @@ mod weights;
 
 pub use error::wiener_error;
 
+use super::field::ByTiles;
 use super::kind::{Contract, Kind, Made, Smoothness, Unfit};
 use super::lattice::Lattice;
 use super::options::{Opt, Params};
@@ -128,11 +129,11 @@ fn lattice<const D: usize>(params: &Params) -> Result<Lattice<Period<D>, D>, Unf
 fn product<const N: usize>(dimensions: usize, params: &Params, covariance: &Covariance) -> Made {
     fn of<const D: usize, const ROWS: usize, const N: usize>(params: &Params, exact: &Exact<'_>) -> Made {
         let unit = unit((0..D).map(|_| exact.variance()).product());
-        Ok(Arc::new(Separable::<D, ROWS, N> {
+        Ok(Arc::new(ByTiles(Separable::<D, ROWS, N> {
             lattice: lattice(params)?,
             weights: Weights::new::<N>(exact),
             unit,
-        }))
+        })))
     }
     let exact = Exact::new(covariance, N);
     match dimensions {
@@ -151,7 +152,7 @@ fn any(dimensions: usize, points: usize, params: &Params, covariance: &Covarianc
         covariance: &Covariance,
     ) -> Made {
         let solved = Solved::<D, SIDE, COUNT>::new(points, covariance)?;
-        Ok(Arc::new(Radial { lattice: lattice(params)?, unit: unit(solved.variance), solved }))
+        Ok(Arc::new(ByTiles(Radial { lattice: lattice(params)?, unit: unit(solved.variance), solved })))
     }
     match dimensions {
         1 => of::<1, 2, 4>(points, params, covariance),

@@ -108,9 +108,20 @@ fn improved_has_a_continuous_second_derivative() {
     if let Some(improved) = measured::one("improved") {
         assert!(improved.bend_jump < 0.05, "{}", improved.bend_jump);
         assert!(improved.smoothness >= Smoothness::C2);
-        assert!(improved.kind.bounds(3)[1] <= 1.04);
     }
-    assert!(gradient.kind.bounds(3)[1] <= 1.30);
+}
+
+#[test]
+fn hardly_a_value_is_beyond_one() {
+    // Bounds are those of the rarest gradients; what pictures see is this.
+    for (name, share) in [("perlin1985", 1e-5), ("gradient", 1e-4), ("improved", 1e-5)] {
+        let points = Random::new(23).points(3, 1_000_000, 1000.0, 1e-4);
+        let kind = Kind::from_name(name).expect(name);
+        let values = values(&*field(kind, 3, &Params::default()), &points);
+        let beyond = values.iter().filter(|v| v.abs() > 1.0).count();
+        assert!(beyond as f64 <= share * 1e6, "{name}: {beyond} of a million");
+        assert!(values.iter().all(|v| v.abs() < 1.3), "{name}");
+    }
 }
 
 #[test]

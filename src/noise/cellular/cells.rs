@@ -166,12 +166,13 @@ impl<const D: usize> Kernel for Load<'_, D> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let (mut low, work) = load(self.p, self.start, self.end);
-        let mut rest = [[0.0; TILE]; D];
+        let mut padded = [[0.0; TILE]; D];
+        let tile = load(self.p, (self.start, self.end), &mut padded);
+        let (mut low, mut rest) = ([[0.0; TILE]; D], [[0.0; TILE]; D]);
         for i in 0..TILE {
             let mut poison = 0.0;
             for k in 0..D {
-                let x = low[k][i];
+                let x = tile.p[k][i];
                 low[k][i] = x.floor();
                 rest[k][i] = x - low[k][i];
                 poison += rest[k][i] * 0.0;
@@ -186,6 +187,6 @@ impl<const D: usize> Kernel for Load<'_, D> {
                 self.points.keys[k][side] = self.cells.keys(k, &array(|i| low[k][i] + step));
             }
         }
-        (self.points.low, self.points.rest, self.points.work) = (low, rest, work);
+        (self.points.low, self.points.rest, self.points.work) = (low, rest, tile.work());
     }
 }

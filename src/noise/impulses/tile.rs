@@ -115,7 +115,9 @@ impl<const D: usize> Kernel for Locate<'_, '_, D> {
     #[inline(always)]
     fn run(self) {
         let Locate { process, tile, p, start, end } = self;
-        let (p, work) = load(p, start, end);
+        let mut padded = [[0.0; TILE]; D];
+        let points = load(p, (start, end), &mut padded);
+        let (p, work) = (points.p, points.work());
         let (mut low, mut within, mut poison) = ([[0.0; TILE]; D], [[0.0; TILE]; D], [0.0; TILE]);
         for i in 0..work {
             for k in 0..D {

@@ -3,7 +3,7 @@
 // Loops over axes and lanes index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::super::field::{Each, Field, Jet, Pointwise, TILE, coordinates, load, tiles};
+use super::super::field::{ByTiles, Each, Jet, Pointwise, TILE, Tile, Tiled};
 use super::super::kind::{Contract, Kind, Made, Smoothness};
 use super::super::options::{Opt, Params};
 use super::cells::locate;
@@ -11,7 +11,6 @@ use super::covariance::Covariance;
 use super::neighbours;
 use super::solved::Solved;
 use super::weights::{Exact, Weights};
-use crate::lanes::{Isa, Kernel};
 use std::sync::Arc;
 
 /// The expected squared error of `wiener` noise with the same options as an estimate of a noise that really has the
@@ -56,18 +55,18 @@ fn product(dimensions: usize, points: usize, covariance: &Covariance) -> Made {
     let weights = if points == 3 { Weights::new::<3>(&exact) } else { Weights::new::<4>(&exact) };
     let error = OfProduct { weights, nearest: points == 3 };
     Ok(match dimensions {
-        1 => Arc::new(Each::<_, 1>(error)),
-        2 => Arc::new(Each::<_, 2>(error)),
-        3 => Arc::new(Each::<_, 3>(error)),
-        _ => Arc::new(Each::<_, 4>(error)),
+        1 => Arc::new(ByTiles::<_, 1>(Each(error))),
+        2 => Arc::new(ByTiles::<_, 2>(Each(error))),
+        3 => Arc::new(ByTiles::<_, 3>(Each(error))),
+        _ => Arc::new(ByTiles::<_, 4>(Each(error))),
     })
 }
 
 fn any(dimensions: usize, points: usize, covariance: &Covariance) -> Made {
     Ok(match dimensions {
-        1 => Arc::new(OfSum::<1, 2, 4>(Solved::new(points, covariance)?)),
-        2 => Arc::new(OfSum::<2, 4, 16>(Solved::new(points, covariance)?)),
-        _ => Arc::new(OfSum::<3, 8, 64>(Solved::new(points, covariance)?)),
+        1 => Arc::new(ByTiles(OfSum::<1, 2, 4>(Solved::new(points, covariance)?))),
+        2 => Arc::new(ByTiles(OfSum::<2, 4, 16>(Solved::new(points, covariance)?))),
+        _ => Arc::new(ByTiles(OfSum::<3, 8, 64>(Solved::new(points, covariance)?))),
     })
 }
 
@@ -103,19 +102,6 @@ impl<const D: usize> Pointwise<D> for OfProduct {
 /// The error of any covariance.
 struct OfSum<const D: usize, const SIDE: usize, const COUNT: usize>(Solved<D, SIDE, COUNT>);
 
-impl<const D: usize, const SIDE: usize, const COUNT: usize> Field for OfSum<D, SIDE, COUNT> {
-    fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
-        isa.run(Values { solved: &self.0, p: coordinates(p), out });
-    }
-
-    fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
-        assert_eq!(out.len(), D, "derivatives of {D} coordinates");
-        // Seldom asked for, so compiled once: the bits are the same for every instruction set.
-        let _ = isa;
-        Derivatives { solved: &self.0, p: coordinates(p), out }.run();
-    }
-}
-
 /// Each lane has weights of its own.
 const OWN: [u32; TILE] = {
     let mut own = [0; TILE];
@@ -131,7 +117,7 @@ const OWN: [u32; TILE] = {
 #[inline(always)]
 fn weigh<const D: usize, const SIDE: usize, const COUNT: usize>(
     solved: &Solved<D, SIDE, COUNT>,
-    p: &[[f32; TILE]; D],
+    p: [&[f32; TILE]; D],
     work: usize,
     weights: &mut [[f32; TILE]; COUNT],
 ) -> [[f32; TILE]; D] {
@@ -146,52 +132,34 @@ fn weigh<const D: usize, const SIDE: usize, const COUNT: usize>(
     places
 }
 
-struct Values<'a, const D: usize, const SIDE: usize, const COUNT: usize> {
-    solved: &'a Solved<D, SIDE, COUNT>,
-    p: [&'a [f32]; D],
-    out: &'a mut [f32],
-}
-
-impl<const D: usize, const SIDE: usize, const COUNT: usize> Kernel for Values<'_, D, SIDE, COUNT> {
-    type Output = ();
+impl<const D: usize, const SIDE: usize, const COUNT: usize> Tiled<D> for OfSum<D, SIDE, COUNT> {
+    type Scratch = [[f32; TILE]; COUNT];
     #[inline(always)]
-    fn run(self) {
-        let mut weights = [[0.0; TILE]; COUNT];
-        for (start, end) in tiles(self.out.len()) {
-            let (p, work) = load(&self.p, start, end);
-            let places = weigh(self.solved, &p, work, &mut weights);
-            let mut told = [0.0; TILE];
-            self.solved.sum(&weights, &OWN, &places, work, &mut told);
-            for (out, told) in self.out[start..end].iter_mut().zip(told) {
-                // Rounding must not make a variance negative.
-                let error = 1.0 - told;
-                *out = if error < 0.0 { 0.0 } else { error };
-            }
+    fn scratch(&self) -> Self::Scratch {
+        [[0.0; TILE]; COUNT]
+    }
+
+    #[inline(always)]
+    fn values(&self, weights: &mut Self::Scratch, tile: Tile<'_, D>, out: &mut [f32; TILE]) {
+        let places = weigh(&self.0, tile.p, tile.work(), weights);
+        let mut told = [0.0; TILE];
+        self.0.sum(weights, &OWN, &places, tile.work(), &mut told);
+        for i in 0..TILE {
+            // Rounding must not make a variance negative.
+            let error = 1.0 - told[i];
+            out[i] = if error < 0.0 { 0.0 } else { error };
         }
     }
-}
 
-struct Derivatives<'a, 'b, const D: usize, const SIDE: usize, const COUNT: usize> {
-    solved: &'a Solved<D, SIDE, COUNT>,
-    p: [&'a [f32]; D],
-    out: &'a mut [&'b mut [f32]],
-}
-
-impl<const D: usize, const SIDE: usize, const COUNT: usize> Kernel for Derivatives<'_, '_, D, SIDE, COUNT> {
-    type Output = ();
     #[inline(always)]
-    fn run(self) {
-        let mut weights = [[0.0; TILE]; COUNT];
-        for (start, end) in tiles(self.p[0].len()) {
-            let (p, work) = load(&self.p, start, end);
-            let places = weigh(self.solved, &p, work, &mut weights);
-            let mut slopes = [[0.0; TILE]; D];
-            self.solved.slopes(&weights, &OWN, &places, work, &mut slopes);
-            for (out, slopes) in self.out.iter_mut().zip(&slopes) {
-                for (out, slope) in out[start..end].iter_mut().zip(slopes) {
-                    // Weights change too, but they are the best ones: d(cᵗC⁻¹c) = 2 aᵗ dc.
-                    *out = -2.0 * slope;
-                }
+    fn slopes(&self, weights: &mut Self::Scratch, tile: Tile<'_, D>, out: &mut [[f32; TILE]; D]) {
+        let places = weigh(&self.0, tile.p, tile.work(), weights);
+        let mut slopes = [[0.0; TILE]; D];
+        self.0.slopes(weights, &OWN, &places, tile.work(), &mut slopes);
+        for k in 0..D {
+            for i in 0..TILE {
+                // Weights change too, but they are the best ones: d(cᵗC⁻¹c) = 2 aᵗ dc.
+                out[k][i] = -2.0 * slopes[k][i];
             }
         }
     }

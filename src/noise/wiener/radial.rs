@@ -3,12 +3,11 @@
 // Loops over axes and neighbours index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::super::field::{Field, TILE, WIDTH, coordinates, load, tiles};
+use super::super::field::{TILE, Tile, Tiled, WIDTH};
 use super::super::lattice::Lattice;
 use super::cells::{Period, all_keys, differing, locate, value};
 use super::solved::{Solved, along};
 use super::table::Table;
-use crate::lanes::{Isa, Kernel};
 
 /// The field, of `D` dimensions; `SIDE` is 2^D, `COUNT` 4^D.
 pub(super) struct Radial<const D: usize, const SIDE: usize, const COUNT: usize> {
@@ -16,17 +15,6 @@ pub(super) struct Radial<const D: usize, const SIDE: usize, const COUNT: usize> 
     pub solved: Solved<D, SIDE, COUNT>,
     /// What values are multiplied by.
     pub unit: f32,
-}
-
-impl<const D: usize, const SIDE: usize, const COUNT: usize> Field for Radial<D, SIDE, COUNT> {
-    fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
-        isa.run(Values { field: self, p: coordinates(p), out });
-    }
-
-    fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
-        assert_eq!(out.len(), D, "derivatives of {D} coordinates");
-        isa.run(Derivatives { field: self, p: coordinates(p), out });
-    }
 }
 
 /// What stands in the table for each lane: the polynomials, and the places in them.
@@ -123,22 +111,22 @@ impl<const D: usize, const SIDE: usize, const COUNT: usize> Solved<D, SIDE, COUN
 }
 
 /// Lanes in their cells, with C⁻¹η of each.
-struct Tile<const D: usize, const COUNT: usize> {
+pub(super) struct Lanes<const D: usize, const COUNT: usize> {
     places: [[f32; TILE]; D],
     /// Which of the solutions is a lane's.
     cells: [u32; TILE],
     solutions: [[f32; TILE]; COUNT],
 }
 
-impl<const D: usize, const COUNT: usize> Tile<D, COUNT> {
+impl<const D: usize, const COUNT: usize> Lanes<D, COUNT> {
     #[inline(always)]
-    fn new() -> Tile<D, COUNT> {
-        Tile { places: [[0.0; TILE]; D], cells: [0; TILE], solutions: [[0.0; TILE]; COUNT] }
+    fn new() -> Lanes<D, COUNT> {
+        Lanes { places: [[0.0; TILE]; D], cells: [0; TILE], solutions: [[0.0; TILE]; COUNT] }
     }
 
     /// Finds the cells of points, and solves what they ask for, once for neighbouring lanes in one cell.
     #[inline(always)]
-    fn find<const SIDE: usize>(&mut self, field: &Radial<D, SIDE, COUNT>, p: &[[f32; TILE]; D], work: usize) {
+    fn find<const SIDE: usize>(&mut self, field: &Radial<D, SIDE, COUNT>, p: [&[f32; TILE]; D], work: usize) {
         let points = field.solved.points;
         let mut bases = [[0.0; TILE]; D];
         for axis in 0..D {
@@ -171,46 +159,25 @@ impl<const D: usize, const COUNT: usize> Tile<D, COUNT> {
     }
 }
 
-struct Values<'a, const D: usize, const SIDE: usize, const COUNT: usize> {
-    field: &'a Radial<D, SIDE, COUNT>,
-    p: [&'a [f32]; D],
-    out: &'a mut [f32],
-}
-
-impl<const D: usize, const SIDE: usize, const COUNT: usize> Kernel for Values<'_, D, SIDE, COUNT> {
-    type Output = ();
+impl<const D: usize, const SIDE: usize, const COUNT: usize> Tiled<D> for Radial<D, SIDE, COUNT> {
+    type Scratch = Lanes<D, COUNT>;
     #[inline(always)]
-    fn run(self) {
-        let (solved, mut tile) = (&self.field.solved, Tile::new());
-        for (start, end) in tiles(self.out.len()) {
-            let (p, work) = load(&self.p, start, end);
-            let mut values = [0.0; TILE];
-            tile.find(self.field, &p, work);
-            solved.sum(&tile.solutions, &tile.cells, &tile.places, work, &mut values);
-            self.out[start..end].copy_from_slice(&values[..end - start]);
-        }
+    fn scratch(&self) -> Lanes<D, COUNT> {
+        Lanes::new()
     }
-}
 
-struct Derivatives<'a, 'b, const D: usize, const SIDE: usize, const COUNT: usize> {
-    field: &'a Radial<D, SIDE, COUNT>,
-    p: [&'a [f32]; D],
-    out: &'a mut [&'b mut [f32]],
-}
-
-impl<const D: usize, const SIDE: usize, const COUNT: usize> Kernel for Derivatives<'_, '_, D, SIDE, COUNT> {
-    type Output = ();
     #[inline(always)]
-    fn run(self) {
-        let (solved, mut tile) = (&self.field.solved, Tile::new());
-        for (start, end) in tiles(self.p[0].len()) {
-            let (p, work) = load(&self.p, start, end);
-            let mut gradients = [[0.0; TILE]; D];
-            tile.find(self.field, &p, work);
-            solved.slopes(&tile.solutions, &tile.cells, &tile.places, work, &mut gradients);
-            for (out, gradient) in self.out.iter_mut().zip(&gradients) {
-                out[start..end].copy_from_slice(&gradient[..end - start]);
-            }
-        }
+    fn values(&self, lanes: &mut Lanes<D, COUNT>, tile: Tile<'_, D>, out: &mut [f32; TILE]) {
+        lanes.find(self, tile.p, tile.work());
+        let mut values = [0.0; TILE];
+        self.solved.sum(&lanes.solutions, &lanes.cells, &lanes.places, tile.work(), &mut values);
+        *out = values;
+    }
+
+    #[inline(always)]
+    fn slopes(&self, lanes: &mut Lanes<D, COUNT>, tile: Tile<'_, D>, out: &mut [[f32; TILE]; D]) {
+        lanes.find(self, tile.p, tile.work());
+        *out = [[0.0; TILE]; D];
+        self.solved.slopes(&lanes.solutions, &lanes.cells, &lanes.places, tile.work(), out);
     }
 }

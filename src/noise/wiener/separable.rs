@@ -3,11 +3,10 @@
 // Loops over axes and lanes index several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
-use super::super::field::{Field, TILE, coordinates, load, tiles};
+use super::super::field::{TILE, Tile, Tiled};
 use super::super::lattice::Lattice;
 use super::cells::{self, Along, Period, Runs, keys, locate, value};
 use super::weights::Weights;
-use crate::lanes::{Isa, Kernel};
 
 /// The field, of `N` neighbours along each of `D` axes; `ROWS` is 4^(D-1).
 pub(super) struct Separable<const D: usize, const ROWS: usize, const N: usize> {
@@ -17,15 +16,11 @@ pub(super) struct Separable<const D: usize, const ROWS: usize, const N: usize> {
     pub unit: f32,
 }
 
-impl<const D: usize, const ROWS: usize, const N: usize> Field for Separable<D, ROWS, N> {
-    fn noise(&self, isa: Isa, p: &[&[f32]], out: &mut [f32]) {
-        isa.run(Values { field: self, p: coordinates(p), out });
-    }
-
-    fn derivative(&self, isa: Isa, p: &[&[f32]], out: &mut [&mut [f32]]) {
-        assert_eq!(out.len(), D, "derivatives of {D} coordinates");
-        isa.run(Derivatives { field: self, p: coordinates(p), out });
-    }
+/// Where the lanes of a tile lie, the weights of their neighbours, and how those change.
+pub(super) struct Scratch<const D: usize> {
+    bases: [[f32; TILE]; D],
+    weights: Along<f32, D>,
+    falls: Along<f32, D>,
 }
 
 /// Of a row of neighbours along the first axis, the place along another.
@@ -163,7 +158,7 @@ impl<const D: usize, const ROWS: usize, const N: usize> Separable<D, ROWS, N> {
     #[inline(always)]
     fn find(
         &self,
-        p: &[[f32; TILE]; D],
+        p: [&[f32; TILE]; D],
         work: usize,
         bases: &mut [[f32; TILE]; D],
         weights: &mut Along<f32, D>,
@@ -181,73 +176,54 @@ impl<const D: usize, const ROWS: usize, const N: usize> Separable<D, ROWS, N> {
     }
 }
 
-struct Values<'a, const D: usize, const ROWS: usize, const N: usize> {
-    field: &'a Separable<D, ROWS, N>,
-    p: [&'a [f32]; D],
-    out: &'a mut [f32],
-}
-
-impl<const D: usize, const ROWS: usize, const N: usize> Kernel for Values<'_, D, ROWS, N> {
-    type Output = ();
+impl<const D: usize, const ROWS: usize, const N: usize> Tiled<D> for Separable<D, ROWS, N> {
+    type Scratch = Scratch<D>;
     #[inline(always)]
-    fn run(self) {
-        let (mut bases, mut weights) = ([[0.0; TILE]; D], [[[0.0; TILE]; 4]; D]);
-        for (start, end) in tiles(self.out.len()) {
-            let (p, work) = load(&self.p, start, end);
-            self.field.find(&p, work, &mut bases, &mut weights);
-            let mut values = [0.0; TILE];
-            let runs = Runs::new(&bases, end - start);
-            if runs.are_long() {
-                for run in runs.iter() {
-                    let known = self.field.about(cells::point(&bases, run.0));
-                    sum::<_, D, ROWS, N>(&known, &weights, run, &mut values);
-                }
-            } else {
-                let scattered = self.field.scattered(&bases, work);
-                sum::<_, D, ROWS, N>(&scattered, &weights, (0, work), &mut values);
-            }
-            self.out[start..end].copy_from_slice(&values[..end - start]);
-        }
+    fn scratch(&self) -> Scratch<D> {
+        let along = [[[0.0; TILE]; 4]; D];
+        Scratch { bases: [[0.0; TILE]; D], weights: along, falls: along }
     }
-}
 
-struct Derivatives<'a, 'b, const D: usize, const ROWS: usize, const N: usize> {
-    field: &'a Separable<D, ROWS, N>,
-    p: [&'a [f32]; D],
-    out: &'a mut [&'b mut [f32]],
-}
-
-impl<const D: usize, const ROWS: usize, const N: usize> Kernel for Derivatives<'_, '_, D, ROWS, N> {
-    type Output = ();
     #[inline(always)]
-    fn run(self) {
-        let (mut bases, mut weights) = ([[0.0; TILE]; D], [[[0.0; TILE]; 4]; D]);
-        let mut falls = [[[0.0; TILE]; 4]; D];
-        for (start, end) in tiles(self.p[0].len()) {
-            let (p, work) = load(&self.p, start, end);
-            self.field.find(&p, work, &mut bases, &mut weights);
-            for axis in 0..D {
-                for i in 0..work {
-                    let s = self.field.weights.slopes::<N>(locate(N == 3, p[axis][i]).1);
-                    for k in 0..4 {
-                        falls[axis][k][i] = s[k];
-                    }
+    fn values(&self, scratch: &mut Scratch<D>, tile: Tile<'_, D>, out: &mut [f32; TILE]) {
+        let Scratch { bases, weights, .. } = scratch;
+        self.find(tile.p, tile.work(), bases, weights);
+        let mut values = [0.0; TILE];
+        let runs = Runs::new(bases, tile.lanes);
+        if runs.are_long() {
+            for run in runs.iter() {
+                let known = self.about(cells::point(bases, run.0));
+                sum::<_, D, ROWS, N>(&known, weights, run, &mut values);
+            }
+        } else {
+            let scattered = self.scattered(bases, tile.work());
+            sum::<_, D, ROWS, N>(&scattered, weights, (0, tile.work()), &mut values);
+        }
+        *out = values;
+    }
+
+    #[inline(always)]
+    fn slopes(&self, scratch: &mut Scratch<D>, tile: Tile<'_, D>, out: &mut [[f32; TILE]; D]) {
+        let Scratch { bases, weights, falls } = scratch;
+        self.find(tile.p, tile.work(), bases, weights);
+        for axis in 0..D {
+            for i in 0..tile.work() {
+                let s = self.weights.slopes::<N>(locate(N == 3, tile.p[axis][i]).1);
+                for k in 0..4 {
+                    falls[axis][k][i] = s[k];
                 }
             }
-            let mut gradients = [[0.0; TILE]; D];
-            let runs = Runs::new(&bases, end - start);
-            if runs.are_long() {
-                for run in runs.iter() {
-                    let known = self.field.about(cells::point(&bases, run.0));
-                    slopes::<_, D, ROWS, N>(&known, &weights, &falls, run, &mut gradients);
-                }
-            } else {
-                let scattered = self.field.scattered(&bases, work);
-                slopes::<_, D, ROWS, N>(&scattered, &weights, &falls, (0, work), &mut gradients);
+        }
+        *out = [[0.0; TILE]; D];
+        let runs = Runs::new(bases, tile.lanes);
+        if runs.are_long() {
+            for run in runs.iter() {
+                let known = self.about(cells::point(bases, run.0));
+                slopes::<_, D, ROWS, N>(&known, weights, falls, run, out);
             }
-            for (out, gradient) in self.out.iter_mut().zip(&gradients) {
-                out[start..end].copy_from_slice(&gradient[..end - start]);
-            }
+        } else {
+            let scattered = self.scattered(bases, tile.work());
+            slopes::<_, D, ROWS, N>(&scattered, weights, falls, (0, tile.work()), out);
         }
     }
 }
