@@ -89,7 +89,7 @@ impl Scene {
     ) -> Image<'static> {
         let again = |_: &Image<'_>, places: &pse::internal::eval::Places| {
             let rows = self.renderer.rows_at(0..HEIGHT, |pixel| places.offset(pixel));
-            rows.map_err(|e| e.to_string())
+            rows.map_err(|e| e.to_string().into())
         };
         let resample = resample.then_some(&again as &pse::internal::eval::Resample<'_>);
         let options = RunOptions { samples: sampling, resample, threads, ..RunOptions::default() };

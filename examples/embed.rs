@@ -4,7 +4,8 @@
 
 use pse::{Compiler, HostFunction, Image, PixelValue, Program, Progress, RunOptions, Shape, Variable};
 use std::error::Error;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const WIDTH: usize = 64;
 const HEIGHT: usize = 28;
@@ -47,7 +48,10 @@ fn paint() -> Result<(), Box<dyn Error>> {
     )?;
 
     let done = AtomicUsize::new(0);
-    let progress = |p: Progress| done.store(p.done, Ordering::Relaxed);
+    let progress = |p: Progress| {
+        done.store(p.done, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
     let options = RunOptions {
         frame: 12.0,
         set: vec![("veins".to_string(), 6.0.into())],
@@ -68,7 +72,7 @@ fn paint() -> Result<(), Box<dyn Error>> {
 fn studio() -> HostFunction {
     HostFunction::for_batch("studio", &["normal"], |arguments| {
         if *arguments.shape(0) != Shape::Vector(3) {
-            return Err(format!("the normal must be a vector of 3, found {}", arguments.shape(0)));
+            return Err(format!("the normal must be a vector of 3, found {}", arguments.shape(0)).into());
         }
         let [x, y, z] = [0, 1, 2].map(|cell| arguments.plane(0, cell));
         let light = |i: usize| (0.48 * z[i] - 0.6 * x[i] - 0.64 * y[i]).max(0.05);
@@ -80,7 +84,7 @@ fn studio() -> HostFunction {
 /// One pixel: variables by name in, everything that the program assigns out.
 fn one_pixel() -> Result<(), Box<dyn Error>> {
     let double = HostFunction::for_pixel("double", &["x"], |values| {
-        values[0].as_scalar().map(|x| (2.0 * x).into()).ok_or("it takes a scalar".to_string())
+        values[0].as_scalar().map(|x| (2.0 * x).into()).ok_or("it takes a scalar".into())
     });
     let text = "size = double(radius)\nbox = [size size size]";
     let program = Compiler::new().function(double).compile("box.pse", text)?;
@@ -95,9 +99,8 @@ fn one_pixel() -> Result<(), Box<dyn Error>> {
 fn cancel() -> Result<(), Box<dyn Error>> {
     let program = Program::compile("color = turbulence(pixel / 50, high = 64)")?;
     let image = Image::new(512, 256, [])?;
-    let cancelled = AtomicBool::new(false);
-    let progress = |_: Progress| cancelled.store(true, Ordering::Relaxed);
-    let options = RunOptions { cancel: Some(&cancelled), progress: Some(&progress), ..RunOptions::default() };
+    let progress = |_: Progress| ControlFlow::Break(());
+    let options = RunOptions { progress: Some(&progress), ..RunOptions::default() };
     match program.run(&image, &options) {
         Ok(_) => println!("the run came to its end"),
         Err(error) => println!("cancelled: {}", error.cancelled),

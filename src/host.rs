@@ -8,23 +8,62 @@ pub use disk::{Disk, absolute, clean, read_text};
 
 use crate::texture::Origin;
 use std::collections::HashMap;
+use std::fmt;
+
+/// Why a host cannot give what a program asks for: a sentence without a full stop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HostError {
+    message: String,
+}
+
+impl HostError {
+    /// The error with this sentence.
+    pub fn new(message: impl Into<String>) -> HostError {
+        HostError { message: message.into() }
+    }
+
+    /// The sentence.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+}
+
+impl fmt::Display for HostError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for HostError {}
+
+impl From<String> for HostError {
+    fn from(message: String) -> HostError {
+        HostError { message }
+    }
+}
+
+impl From<&str> for HostError {
+    fn from(message: &str) -> HostError {
+        HostError { message: message.into() }
+    }
+}
 
 /// Finds the files that `import` names, and the images that `texture` and `environment` name.
 ///
 /// ```
 /// use pse::Origin;
-/// use pse::{Compiler, Host, Image, RunOptions, Shape, Variable};
+/// use pse::{Compiler, Host, HostError, Image, RunOptions, Shape, Variable};
 /// use std::sync::Arc;
 ///
 /// /// One image in memory.
 /// struct Ramp(Arc<Image<'static>>);
 ///
 /// impl Host for Ramp {
-///     fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
+///     fn import(&self, _: &str, _: &str) -> Result<(String, String), HostError> {
 ///         Err("this program cannot import files".into())
 ///     }
 ///
-///     fn image(&self, _: &str, name: &str) -> Result<Origin, String> {
+///     fn image(&self, _: &str, name: &str) -> Result<Origin, HostError> {
 ///         if name == "ramp" { Ok(Origin::Image(self.0.clone())) } else { Err("there is only `ramp`".into()) }
 ///     }
 /// }
@@ -39,7 +78,7 @@ use std::collections::HashMap;
 pub trait Host: Send + Sync {
     /// Returns the text of the file that `path` names in a program called `importing`, and its name in messages.
     /// `Err` is a sentence that says where the file was searched.
-    fn import(&self, importing: &str, path: &str) -> Result<(String, String), String>;
+    fn import(&self, importing: &str, path: &str) -> Result<(String, String), HostError>;
 
     /// A sentence that says where imports are searched, as a hint for a missing one.
     fn hint(&self) -> Option<String> {
@@ -48,7 +87,7 @@ pub trait Host: Send + Sync {
 
     /// Returns the image that `name` means in a program called `program`. `Err` is a sentence that says where the
     /// image was searched.
-    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+    fn image(&self, program: &str, name: &str) -> Result<Origin, HostError> {
         let _ = (program, name);
         Err("this program cannot read images".into())
     }
@@ -70,7 +109,7 @@ pub trait Host: Send + Sync {
 pub struct NoFiles;
 
 impl Host for NoFiles {
-    fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
+    fn import(&self, _: &str, _: &str) -> Result<(String, String), HostError> {
         Err("this program cannot import files".into())
     }
 }
@@ -80,7 +119,7 @@ impl Host for NoFiles {
 pub struct Memory(pub HashMap<String, String>);
 
 impl Host for Memory {
-    fn import(&self, _: &str, path: &str) -> Result<(String, String), String> {
+    fn import(&self, _: &str, path: &str) -> Result<(String, String), HostError> {
         match self.0.get(path) {
             Some(text) => Ok((path.to_string(), text.clone())),
             None => Err("there is no file with this name".into()),

@@ -19,6 +19,14 @@ use pulp::{Arch, Simd, WithSimd};
 #[derive(Clone, Copy, Debug)]
 pub struct Isa(Arch);
 
+impl PartialEq for Isa {
+    fn eq(&self, other: &Isa) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for Isa {}
+
 impl Isa {
     /// The one that is expected to be the fastest on this machine.
     ///

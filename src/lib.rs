@@ -41,17 +41,19 @@ mod value;
 mod visible;
 mod vocabulary;
 
-pub use crate::diagnostic::{Diagnostic, Style};
+pub use crate::diagnostic::{Diagnostic, Label, Severity, Source, SourceId, Sources, Span, Style};
 pub use crate::eval::{
     BATCH, BatchArguments, BatchResult, Birth, Event, EventKind, HostFunction, NotFinite, Part, Printed,
 };
 #[cfg(feature = "exr")]
 pub use crate::host::Disk;
-pub use crate::host::{Host, Memory, NoFiles};
-pub use crate::image::{Image, Variable};
+pub use crate::host::{Host, HostError, Memory, NoFiles};
+pub use crate::image::{BuildError, Image, Metadata, Variable};
+pub use crate::lanes::Isa;
 pub use crate::program::{
-    Compiler, Error, Failure, Filter, Limits, Prints, Program, Progress, Report, RunOptions, Sampling,
-    Stream, Trace, TraceOptions,
+    BufferView, BufferViewMut, Compiler, Error, Executor, Failure, Filter, Limits, ParamInfo, Prints,
+    Program, Progress, Report, RunOptions, RunSummary, Sampling, Session, Stream, Strides, Trace,
+    TraceOptions, Window,
 };
 pub use crate::shape::Shape;
 pub use crate::texture::Origin;

@@ -26,6 +26,17 @@ pub fn on_threads(threads: usize, work: &(impl Fn() + Sync)) -> Result<(), Strin
     Ok(())
 }
 
+/// Gives each row of `width` numbers to `work`, with its number: on the threads of the current pool, or one after
+/// another on the caller's.
+pub fn for_rows<T: Send>(threads: bool, data: &mut [T], width: usize, work: impl Fn(usize, &mut [T]) + Sync) {
+    let width = width.max(1);
+    if threads {
+        data.par_chunks_mut(width).enumerate().for_each(|(row, part)| work(row, part));
+    } else {
+        data.chunks_mut(width).enumerate().for_each(|(row, part)| work(row, part));
+    }
+}
+
 #[cfg(not(feature = "threads"))]
 #[allow(dead_code, reason = "each feature uses some of it")]
 mod serial {

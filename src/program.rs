@@ -6,7 +6,7 @@ mod ask;
 use crate::diagnostic::{Diagnostic, Sources, Style};
 use crate::eval::{self, HostFunction};
 use crate::host::{Host, NoFiles};
-use crate::image::{Frame, Image, Variable};
+use crate::image::{Frame, Image, Metadata, Variable};
 use crate::resolve::{self, HostFunctions, Resolved};
 use crate::shape::Shape;
 use crate::value::PixelValue;
@@ -16,8 +16,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use crate::eval::{
-    Failure, Filter, Limits, Options as RunOptions, ParamInfo, Prints, Progress, Report, Sampling, Trace,
-    TraceOptions,
+    BufferView, BufferViewMut, Executor, Failure, Filter, Limits, Options as RunOptions, ParamInfo, Prints,
+    Progress, Report, RunSummary, Sampling, Strides, Trace, TraceOptions, Window,
 };
 
 /// A compiled program. It has no state: share it between threads, and run it any number of times.
@@ -120,6 +120,15 @@ impl<'h> Compiler<'h> {
     /// # Errors
     /// Every fault that could be found in the text.
     pub fn compile(&self, name: &str, text: &str) -> Result<Program, Error> {
+        let mut faults: Vec<Diagnostic> = self
+            .functions
+            .values()
+            .filter_map(|function| Some(Diagnostic::bare("name", function.fault()?)))
+            .collect();
+        if !faults.is_empty() {
+            faults.sort_by(|a, b| a.message.cmp(&b.message));
+            return Err(Error { diagnostics: faults, sources: Sources::default(), cancelled: false });
+        }
         match resolve::resolve(
             name,
             text,
@@ -349,7 +358,34 @@ impl Program {
         self.resolved.functions.iter().filter(own).any(|f| f.name == function)
     }
 
+    /// What an image has to have for a run: the variables that the program reads, and that neither it nor the system
+    /// gives. `I` needs `point`, and `pixelsize` makes use of `point` and `surface` where they are there.
+    ///
+    /// ```
+    /// use pse::Program;
+    ///
+    /// let program = Program::compile("color = white * Noise(point / pixelsize) * sin(PI * depth * frame)")?;
+    /// assert_eq!(program.required_inputs(), ["point", "depth"]);
+    /// # Ok::<(), pse::Error>(())
+    /// ```
+    pub fn required_inputs(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        let given = |name: &str| {
+            resolve::names::constant(name).is_some()
+                || resolve::names::SYSTEM.iter().any(|(own, _)| *own == name)
+                || matches!(name, "eye" | "pixelsize" | "pixel_freq")
+        };
+        for name in self.inputs() {
+            let name = if name == "I" { "point" } else { name };
+            if !given(name) && !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
     /// The program after name resolution.
+    #[doc(hidden)]
     pub fn resolved(&self) -> &Resolved {
         &self.resolved
     }
@@ -379,6 +415,84 @@ impl Program {
             Failure::Cancelled => (vec![Diagnostic::bare("cancelled", "the run was cancelled")], true),
         };
         Error { diagnostics, sources: self.resolved.sources.clone(), cancelled }
+    }
+}
+
+/// Runs of one program one after another: for each frame, tile or change of a param. It keeps memory, tapes and what was
+/// bound, so that a run like the last one allocates nothing and costs hardly more than its pixels.
+///
+/// A session is used by one thread at a time; give each thread of the host its own.
+///
+/// ```
+/// use pse::{BufferView, BufferViewMut, Program, RunOptions, Session, Shape, Strides};
+/// use std::sync::Arc;
+///
+/// let program = Arc::new(Program::compile("color = 0.5 * color")?);
+/// let mut session = Session::new(program);
+/// // Two by two pixels of RGBA, the host's own.
+/// let framebuffer = [1.0f32; 16];
+/// let mut result = [0.0f32; 16];
+/// let strides = Strides::interleaved(4, 2);
+/// let color = BufferView { name: "color", shape: Shape::Vector(4), data: &framebuffer, strides };
+/// let mut out = [BufferViewMut { name: "color", components: 4, data: &mut result, strides }];
+/// session.run_into([2, 2], &[color], &mut out, &RunOptions::default())?;
+/// assert_eq!(result, [0.5; 16]);
+/// # Ok::<(), pse::Error>(())
+/// ```
+pub struct Session {
+    program: Arc<Program>,
+    metadata: Metadata,
+    inner: eval::Session,
+}
+
+impl Session {
+    /// A session of a program.
+    pub fn new(program: impl Into<Arc<Program>>) -> Session {
+        Session { program: program.into(), metadata: Metadata::default(), inner: eval::Session::default() }
+    }
+
+    /// The program.
+    pub fn program(&self) -> &Arc<Program> {
+        &self.program
+    }
+
+    /// Where the pixels of [`Session::run_into`] lie in the picture, and what else a file's header would say.
+    pub fn metadata_mut(&mut self) -> &mut Metadata {
+        &mut self.metadata
+    }
+
+    /// Runs the program at every pixel of an image, as [`Program::run`].
+    ///
+    /// # Errors
+    /// As [`Program::run`].
+    pub fn run(&mut self, image: &Image<'_>, options: &RunOptions<'_>) -> Result<Report, Error> {
+        let outcome = self.inner.run(&self.program.resolved, image, options);
+        outcome.map_err(|f| self.program.error(f))
+    }
+
+    /// Runs the program on buffers of the host, columns and rows of `size`, and writes into others. A buffer of the outputs
+    /// has the size of what is run: with [`RunOptions::window`] that of the window. `color` in a buffer of four
+    /// components takes the program's alpha, or that of the input, or 1.
+    ///
+    /// # Errors
+    /// As [`Program::run`]; and if a buffer is too small for its strides, or does not fit the shape of its variable. After an
+    /// error the outputs may be written in part.
+    pub fn run_into(
+        &mut self,
+        size: [usize; 2],
+        inputs: &[BufferView<'_>],
+        outputs: &mut [BufferViewMut<'_>],
+        options: &RunOptions<'_>,
+    ) -> Result<RunSummary, Error> {
+        let resolved = &self.program.resolved;
+        let outcome = self.inner.run_into(resolved, size, &self.metadata, inputs, outputs, options);
+        outcome.map_err(|f| self.program.error(f))
+    }
+}
+
+impl fmt::Debug for Session {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Session").field("program", &self.program).finish_non_exhaustive()
     }
 }
 

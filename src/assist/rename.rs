@@ -1,11 +1,9 @@
 //! Another name for something, everywhere.
 
 use super::{Reading, Role, Symbol};
-use crate::diagnostic::SourceId;
 use crate::host::Host;
 use crate::reference;
 use crate::syntax;
-use crate::syntax::ast::StmtKind;
 use std::ops::Range;
 
 impl Reading {
@@ -58,7 +56,7 @@ impl Reading {
         name: &str,
         host: &dyn Host,
     ) -> Result<Vec<Range<usize>>, String> {
-        check_name(new)?;
+        syntax::check_name(new)?;
         let renamed = symbol.renamed(new);
         let outer = matches!(symbol, Symbol::Outer(_));
         if outer && is_standard(new) {
@@ -102,19 +100,4 @@ impl Reading {
 /// Is it a constant, or something that the system or an image gives?
 fn is_standard(name: &str) -> bool {
     reference::names().iter().any(|(_, lines)| lines.iter().any(|line| line.0 == name))
-}
-
-/// Is it a name of the language?
-fn check_name(new: &str) -> Result<(), String> {
-    let parsed = syntax::parse(SourceId::default(), &format!("{new} = 1\n"));
-    let good = match &parsed.module.body[..] {
-        [stmt] => matches!(&stmt.kind, StmtKind::Assign { target, .. } if target.name.text == new),
-        _ => false,
-    };
-    match good && parsed.errors.is_empty() {
-        true => Ok(()),
-        false => Err(format!(
-            "`{new}` cannot be a name. A name consists of letters, digits and _, does not start with a digit, and is not a word of the language."
-        )),
-    }
 }

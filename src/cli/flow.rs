@@ -17,6 +17,7 @@ use pse::gbuffer::Projection;
 use pse::image::{Content, Format, Image, Metadata, NewFile, WriteOptions, record, write};
 use pse::internal::program::RunOptions;
 use std::io::{BufWriter, Write};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -188,7 +189,10 @@ fn draw(
     }
     let start = start(args, frame)?;
     targets.iter().try_for_each(|path| check_output(path))?;
-    let tell = |progress| meter.update(progress);
+    let tell = |progress| {
+        meter.update(progress);
+        ControlFlow::Continue(())
+    };
     let options = RunOptions {
         frame: frame.value,
         frame_number: frame.number,

@@ -28,6 +28,7 @@ use pse::internal::diagnostic::Diagnostic;
 use pse::internal::eval::{BATCH, Places, Resample};
 use pse::internal::program::{Error, Limits, Progress, RunOptions};
 use resume::Hashes;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -228,6 +229,7 @@ impl Job<'_> {
         let progress = |p: Progress| {
             let done = done.load(Ordering::Relaxed) + p.done;
             meter.update(Progress { done, total: about.width * about.height });
+            ControlFlow::Continue(())
         };
         let inputs = Arc::clone(&input.inputs);
         let name = plan.scene.as_ref().map(|seen| seen.to_string());
@@ -237,7 +239,7 @@ impl Job<'_> {
             Some(scene) if !name.contains('.') => vec![scene.clone()],
             _ => inputs.missing(name),
         };
-        let resample = |image: &Image<'_>, places: &Places| input.resample(image, places);
+        let resample = |image: &Image<'_>, places: &Places| Ok(input.resample(image, places)?);
         // What is set may depend on the frame.
         let (set, spaces) = plan::values(args, frame.value)?;
         let set = plan.own(set, input.solid());

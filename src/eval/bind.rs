@@ -2,6 +2,7 @@
 
 use super::absent::{absent, of_image};
 use super::frame;
+use super::input::Inputs;
 use super::machine::Slot;
 use super::pixels::Pixels;
 use super::pixelsize;
@@ -13,48 +14,52 @@ use super::spaces;
 use super::steps::Steps;
 use super::tracer::Tracer;
 use crate::diagnostic::Diagnostic;
-use crate::image::{Image, Variable};
+use crate::image::Image;
 use crate::resolve::tree::*;
 use crate::resolve::{names, space_of, unreadable};
 use crate::shape::Shape;
 use crate::syntax::MAX_ERRORS;
 use crate::texture::Texture;
 use crate::value::{PixelValue, Plane, Value};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Says what is known of a variable that an image does not have, as hints to the user.
 pub type Missing<'o> = dyn Fn(&str) -> Vec<String> + Sync + 'o;
 
 /// Where a variable's first value comes from.
-pub(super) enum Source<'r> {
+pub(super) enum Source {
     /// Nowhere: the program assigns it.
     Nowhere,
     /// One value for the frame.
     Uniform(PixelValue),
-    /// A variable of the image.
-    Input(&'r Variable<'r>),
-    /// The like, moved from the pixel's middle to the place of a sample: see [`super::shadow`].
-    Moved(&'r Variable<'r>),
+    /// A variable of the input, by its number in [`Inputs::variables`].
+    Input(usize),
+    /// The same, moved from the pixel's middle to the position of a sample: see [`super::shadow`].
+    Moved(usize),
     /// `I`, the direction to a point from the eye.
-    Incident(Box<Source<'r>>, [f32; 3]),
+    Incident(Box<Source>, [f32; 3]),
     /// `pixel`.
     Position,
-    /// `pixelsize`, one a pixel.
-    PixelSize(Arc<[f32]>),
+    /// `pixelsize`: [`Bound::size`].
+    PixelSize,
     /// `pixel_freq`, from `pixelsize`.
-    PixelFreq(Arc<[f32]>),
+    PixelFreq,
 }
 
 /// A program's variables on one image.
 pub(super) struct Bound<'r> {
     /// One a global.
-    pub sources: Vec<Source<'r>>,
+    pub sources: Vec<Source>,
+    pub inputs: Inputs<'r>,
     /// Who has which neighbours, for programs with derivatives and for samples beside the middle.
     pub neighbours: Option<Neighbours>,
-    pub width: usize,
-    pub origin: [i32; 2],
-    pub has: Vec<String>,
+    /// Memory of the steps between pixels, for the next binding.
+    pub steps: [Vec<f32>; 2],
+    /// Memory for planes whose pixels do not follow one another in the host's buffer.
+    pub staged: Vec<f32>,
+    /// `pixelsize` of each pixel; empty where the program does not read it.
+    pub size: Vec<f32>,
     pub missing: Option<&'r Missing<'r>>,
     /// As [`Options::camera_hint`].
     pub camera_hint: Option<&'r str>,
@@ -64,7 +69,7 @@ pub(super) struct Bound<'r> {
     pub prints: Prints,
 }
 
-impl Source<'_> {
+impl Source {
     /// May it differ from pixel to pixel?
     pub fn varies(&self) -> bool {
         !matches!(self, Source::Uniform(_) | Source::Nowhere)
@@ -76,12 +81,14 @@ impl Source<'_> {
         let value = match self {
             Source::Nowhere => return Slot::EMPTY,
             Source::Uniform(value) => Value::from(value),
-            Source::Input(variable) => Value {
-                shape: variable.shape.clone(),
-                planes: variable.planes.iter().map(|p| pixels.gather(p)).collect(),
-            },
+            Source::Input(variable) => {
+                let variable = bound.inputs.get(*variable);
+                let planes = variable.planes().map(|p| p.gather(pixels)).collect();
+                Value { shape: variable.shape.clone(), planes }
+            }
             Source::Moved(variable) => {
-                let planes = variable.planes.iter().map(|p| bound.moved(p, pixels, places)).collect();
+                let variable = bound.inputs.get(*variable);
+                let planes = variable.planes().map(|p| bound.moved(&p, pixels, places)).collect();
                 Value { shape: variable.shape.clone(), planes }
             }
             Source::Incident(point, eye) => {
@@ -89,7 +96,7 @@ impl Source<'_> {
                 incident(&point, *eye, pixels.len())
             }
             Source::Position => {
-                let (width, [x, y]) = (bound.width.max(1), bound.origin);
+                let (width, [x, y]) = (bound.inputs.width.max(1), bound.inputs.metadata.origin);
                 let column = move |i: usize| (i % width) as f32 + x as f32 + 0.5;
                 let row = move |i: usize| (i / width) as f32 + y as f32 + 0.5;
                 let mut planes = [pixels.map(column), pixels.map(row)];
@@ -101,15 +108,15 @@ impl Source<'_> {
                 }
                 Value::vector(planes.into_iter().collect())
             }
-            Source::PixelSize(plane) => Value::scalar(pixels.gather(plane)),
-            Source::PixelFreq(plane) => Value::scalar(pixels.map(|i| 0.5 / plane[i])),
+            Source::PixelSize => Value::scalar(pixels.gather(&bound.size)),
+            Source::PixelFreq => Value::scalar(pixels.map(|i| 0.5 / bound.size[i])),
         };
         Slot::full(value)
     }
 }
 
 /// A variable of the image, `moved` to the places of a sample or not.
-fn given<'r>(variable: &'r Variable<'r>, moved: bool) -> Source<'r> {
+fn given(variable: usize, moved: bool) -> Source {
     if moved { Source::Moved(variable) } else { Source::Input(variable) }
 }
 
@@ -128,20 +135,20 @@ pub(super) fn incident(point: &Value, eye: [f32; 3], n: usize) -> Value {
 impl Bound<'_> {
     /// Column and row of a pixel in the display window.
     pub fn position(&self, pixel: usize) -> [i32; 2] {
-        let width = self.width.max(1);
-        [(pixel % width) as i32 + self.origin[0], (pixel / width) as i32 + self.origin[1]]
+        let (width, [x, y]) = (self.inputs.width.max(1), self.inputs.metadata.origin);
+        [(pixel % width) as i32 + x, (pixel / width) as i32 + y]
     }
 
     /// Does the image have that variable?
     pub fn has(&self, name: &str) -> bool {
-        self.has.iter().any(|v| v == name)
+        self.inputs.find(name).is_some()
     }
 
     /// What to tell who reads a variable that the image does not have.
     pub fn missing_hints(&self, name: &str) -> Vec<String> {
         match self.has(name) || !names::USUAL_INPUTS.contains(&name) {
             true => Vec::new(),
-            false => of_image(name, &self.has, self.missing),
+            false => of_image(name, &self.inputs.names(), self.missing),
         }
     }
 }
@@ -154,34 +161,47 @@ pub(super) fn bind<'r>(
     sampled: Option<&'r Image<'r>>,
     options: &'r Options<'r>,
 ) -> Result<Bound<'r>, Failure> {
-    bind_traced(program, image, sampled, options, &mut None)
+    bind_inputs(program, Inputs::of(image), sampled, options, Buffers::default(), &mut None)
 }
 
-/// The like, and a tracer looks on.
-pub(super) fn bind_traced<'r>(
+/// Memory of an earlier binding, to be used again.
+#[derive(Default)]
+pub(super) struct Buffers {
+    pub sources: Vec<Source>,
+    pub size: Vec<f32>,
+    pub steps: [Vec<f32>; 2],
+    pub staged: Vec<f32>,
+    pub neighbours: Vec<u8>,
+}
+
+/// The same for inputs of any kind, and a tracer looks on.
+pub(super) fn bind_inputs<'r>(
     program: &'r Resolved,
-    image: &'r Image<'r>,
+    inputs: Inputs<'r>,
     sampled: Option<&'r Image<'r>>,
     options: &'r Options<'r>,
+    buffers: Buffers,
     tracer: &mut Option<Box<Tracer>>,
 ) -> Result<Bound<'r>, Failure> {
-    let moved = options.sampling().is_some();
-    let seen = sampled.unwrap_or(image);
-    let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
-    let compares = program.derivatives || moved;
-    let sized = options.pixelsize.is_none() && (reads("pixelsize") || reads("pixel_freq"));
-    let steps = (compares || sized).then(|| Steps::of(seen));
+    check_inputs(&inputs)?;
+    let inputs = inputs.with_sampled(sampled);
     let mut bound = Bound {
-        sources: Vec::new(),
-        neighbours: steps.as_ref().filter(|_| compares).map(|steps| Neighbours::of(seen, steps)),
-        width: image.width,
-        origin: image.metadata.origin,
-        has: image.variables.iter().map(|v| v.name.clone()).collect(),
+        sources: buffers.sources,
+        neighbours: None,
+        size: buffers.size,
+        steps: Default::default(),
+        staged: Vec::new(),
         missing: options.missing,
         camera_hint: options.camera_hint,
         textures: Vec::new(),
         prints: Prints::default(),
+        inputs,
     };
+    bound.sources.clear();
+    let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
+    let moved = options.sampling().is_some();
+    let memory = (buffers.steps, buffers.staged, buffers.neighbours);
+    bound.measure(program, sampled.map_or(inputs, Inputs::of), options, memory);
     // Mistakes of all kinds are reported together; what needs the values of the frame is looked at if it has any.
     let mut errors = check_set(program, options);
     match textures(program, options) {
@@ -190,54 +210,50 @@ pub(super) fn bind_traced<'r>(
     }
     let mut values = vec![None; program.globals.len()];
     if errors.is_empty() {
-        match frame::run(program, image, options, &bound, tracer) {
+        match frame::run(program, options, &bound, tracer) {
             Ok(frame) => (values, bound.prints) = (frame.values, frame.prints),
             Err(Failure::Program(wrong)) => errors.extend(wrong),
             Err(Failure::Cancelled) => return Err(Failure::Cancelled),
         }
     }
-    let size: Option<Arc<[f32]>> =
-        steps.as_ref().filter(|_| sized).map(|steps| pixelsize::plane(seen, steps).into());
-    drop(steps);
-    let eye = if reads("eye") || reads("I") { spaces::eye(image, options) } else { None };
-    let [columns, rows] = image.resolution();
+    let eye = if reads("eye") || reads("I") { spaces::eye(inputs.metadata, options) } else { None };
+    let [columns, rows] = inputs.resolution();
     let set = options.set_values();
     for (global, value) in program.globals.iter().zip(values) {
         let name = global.name.as_str();
-        let resampled = sampled.and_then(|s| s.variable(name));
-        let input = resampled
-            .or(image.variable(name))
-            .filter(|_| !global.library && !names::RESERVED.contains(&name));
+        let own = inputs.find_sampled(name);
+        let input =
+            own.or_else(|| inputs.find(name)).filter(|_| !global.library && !names::RESERVED.contains(&name));
         let source = if let Some(value) = value {
             Source::Uniform(value)
         } else if let Some(value) = set.get(name).copied().filter(|_| !global.library) {
             Source::Uniform(value.clone())
         } else if let Some(variable) = input {
-            given(variable, moved && resampled.is_none() && !is_id(name))
+            given(variable, moved && own.is_none() && !is_id(name))
         } else if let Some(constant) = names::constant(name) {
             Source::Uniform(constant_value(constant))
         } else if let Some(space) = space_of(name) {
-            spaces::space(space, image, options).map_or(Source::Nowhere, Source::Uniform)
+            spaces::space(space, inputs.metadata, options).map_or(Source::Nowhere, Source::Uniform)
         } else {
-            match (name, options.pixelsize, &size) {
+            match (name, options.pixelsize) {
                 ("frame", ..) => Source::Uniform(options.frame.into()),
                 ("begin_frame", ..) => Source::Uniform(0.0.into()),
                 ("resolution", ..) => Source::Uniform([columns as f32, rows as f32].into()),
                 ("pixel", ..) => Source::Position,
                 ("eye", ..) => eye.map_or(Source::Nowhere, |eye| Source::Uniform(eye.into())),
                 ("I", ..) => {
-                    let resampled = sampled.and_then(|image| image.variable("point"));
-                    match (eye, resampled.or_else(|| image.variable("point"))) {
-                        (Some(eye), Some(point)) if point.shape == Shape::Vector(3) => {
-                            Source::Incident(Box::new(given(point, moved && resampled.is_none())), eye)
+                    let own = inputs.find_sampled("point");
+                    match (eye, own.or_else(|| inputs.find("point"))) {
+                        (Some(eye), Some(point)) if *inputs.get(point).shape == Shape::Vector(3) => {
+                            Source::Incident(Box::new(given(point, moved && own.is_none())), eye)
                         }
                         _ => Source::Nowhere,
                     }
                 }
-                ("pixelsize", Some(size), _) => Source::Uniform(size.into()),
-                ("pixel_freq", Some(size), _) => Source::Uniform((0.5 / size).into()),
-                ("pixelsize", None, Some(plane)) => Source::PixelSize(plane.clone()),
-                ("pixel_freq", None, Some(plane)) => Source::PixelFreq(plane.clone()),
+                ("pixelsize", Some(size)) => Source::Uniform(size.into()),
+                ("pixel_freq", Some(size)) => Source::Uniform((0.5 / size).into()),
+                ("pixelsize", None) => Source::PixelSize,
+                ("pixel_freq", None) => Source::PixelFreq,
                 _ => Source::Nowhere,
             }
         };
@@ -246,18 +262,46 @@ pub(super) fn bind_traced<'r>(
     errors.extend(missing_inputs(program, &bound));
     for (global, source) in program.globals.iter().zip(&bound.sources) {
         if let (Some(space), Some(span), Source::Nowhere) = (space_of(&global.name), global.read, source) {
-            errors.push(spaces::unknown(space, span, image, options));
+            errors.push(spaces::unknown(space, span, inputs.metadata, options));
         }
     }
     if errors.is_empty() { Ok(bound) } else { Err(Failure::Program(errors)) }
+}
+
+/// Whether a run compares pixels with their neighbours, and whether it measures the size of each.
+pub(super) fn compares(program: &Resolved, options: &Options<'_>) -> [bool; 2] {
+    let reads = |name: &str| program.globals.iter().any(|g| g.name == name && g.read.is_some());
+    let sized = options.pixelsize.is_none() && (reads("pixelsize") || reads("pixel_freq"));
+    [program.derivatives || options.sampling().is_some(), sized]
+}
+
+/// Refuses an image whose planes are not those of its size.
+fn check_inputs(inputs: &Inputs<'_>) -> Result<(), Failure> {
+    match inputs.fault() {
+        None => Ok(()),
+        Some(message) => Err(Failure::Program(vec![Diagnostic::bare("input", message)])),
+    }
 }
 
 /// The textures of this frame, read or kept.
 fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture>>, Vec<Diagnostic>> {
     let mut left = options.texture_memory.unwrap_or(TEXTURE_MEMORY) as u64;
     let (mut textures, mut errors) = (Vec::new(), Vec::new());
+    for (name, _) in &options.textures {
+        if !program.textures.iter().any(|(source, _)| source.name == *name) {
+            let known: Vec<&str> = program.textures.iter().map(|(source, _)| source.name.as_str()).collect();
+            let error =
+                Diagnostic::bare("texture", format!("the program looks nothing up in an image `{name}`"));
+            errors.push(match known[..] {
+                [] => error,
+                _ => error.hint(format!("Its images are {}.", known.join(", "))),
+            });
+        }
+    }
     for (source, span) in &program.textures {
-        match source.load(options.file_frame(), &mut left, &program.tiles) {
+        let replaced = options.textures.iter().rev().find(|(name, _)| source.name == *name);
+        let replaced = replaced.map(|(_, image)| source.replaced(image));
+        match replaced.as_ref().unwrap_or(source).load(options.file_frame(), &mut left, &program.tiles) {
             Ok(texture) => textures.push(texture),
             Err(error) => errors.push(unreadable(error, *span)),
         }
@@ -266,7 +310,63 @@ fn textures(program: &Resolved, options: &Options<'_>) -> Result<Vec<Arc<Texture
     if errors.is_empty() { Ok(textures) } else { Err(errors) }
 }
 
+impl<'r> Bound<'r> {
+    /// Binds the pixels anew of a program that was bound to inputs like these before.
+    pub fn again(
+        program: &'r Resolved,
+        inputs: Inputs<'r>,
+        options: &'r Options<'r>,
+        buffers: Buffers,
+        textures: Vec<Arc<Texture>>,
+        prints: Prints,
+    ) -> Result<Bound<'r>, Failure> {
+        check_inputs(&inputs)?;
+        let Buffers { sources, size, steps, staged, neighbours } = buffers;
+        let (missing, camera_hint) = (options.missing, options.camera_hint);
+        let mut bound = Bound {
+            sources,
+            inputs,
+            neighbours: None,
+            steps: Default::default(),
+            staged: Vec::new(),
+            size,
+            missing,
+            camera_hint,
+            textures,
+            prints,
+        };
+        bound.measure(program, inputs, options, (steps, staged, neighbours));
+        Ok(bound)
+    }
+}
+
 impl Bound<'_> {
+    /// Measures what pixels have to do with their neighbours, where the program asks for it: `pixelsize`, and to which
+    /// neighbours the surface goes on.
+    fn measure(
+        &mut self,
+        program: &Resolved,
+        inputs: Inputs<'_>,
+        options: &Options<'_>,
+        (lengths, mut staged, neighbours): ([Vec<f32>; 2], Vec<f32>, Vec<u8>),
+    ) {
+        let [compares, sized] = compares(program, options);
+        self.size.clear();
+        if !compares && !sized {
+            return;
+        }
+        let threads = !options.on_one_thread();
+        let steps = Steps::of(&inputs, lengths, &mut staged, threads);
+        if compares {
+            self.neighbours = Some(Neighbours::of(&inputs, &steps, neighbours, threads));
+        }
+        if sized {
+            pixelsize::measure(&inputs, &steps, threads, &mut self.size);
+        }
+        self.steps = steps.into_buffers();
+        self.staged = staged;
+    }
+
     /// Tells whether all that was looked up in textures could be read.
     pub fn sound(&self, program: &Resolved) -> Result<(), Failure> {
         for ((_, span), texture) in program.textures.iter().zip(&self.textures) {
@@ -288,8 +388,8 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Vec<Diagnostic> {
     let mut errors = Vec::new();
     let own = program.globals.iter().zip(0u32..).filter(|(global, _)| !global.library);
     let slots: HashMap<&str, u32> = own.map(|(global, slot)| (global.name.as_str(), slot)).collect();
-    let params: HashSet<u32> = program.params.iter().map(|param| param.slot).collect();
-    for (name, _) in &options.set {
+    let params: HashMap<u32, &Param> = program.params.iter().map(|param| (param.slot, param)).collect();
+    for (name, value) in &options.set {
         // Nobody reads more, and a list of all params is long.
         if errors.len() == MAX_ERRORS {
             break;
@@ -306,7 +406,9 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Vec<Diagnostic> {
         }
         if let Some(&slot) = slots.get(name.as_str()) {
             let global = &program.globals[slot as usize];
-            let param = params.contains(&slot);
+            let param = params.get(&slot);
+            errors.extend(param.and_then(|param| unfit(param, value)));
+            let param = param.is_some();
             if let Some(span) = global.assigned.or(global.framed).filter(|_| !param) {
                 let error = Diagnostic::error(
                     "name",
@@ -330,9 +432,40 @@ fn check_set(program: &Resolved, options: &Options<'_>) -> Vec<Diagnostic> {
     errors
 }
 
+/// The error of a value that is not a number, or has another shape than the param's own where that is written down.
+fn unfit(param: &Param, value: &PixelValue) -> Option<Diagnostic> {
+    let name = &param.name;
+    if value.cells().iter().any(|x| x.is_nan()) {
+        let error =
+            Diagnostic::error("param", format!("`{name}` is set to NaN, which is no number"), param.span);
+        return Some(error);
+    }
+    let number = |e: &Expr| match &e.kind {
+        ExprKind::Number(_) => true,
+        ExprKind::Unary(_, inner) => matches!(inner.kind, ExprKind::Number(_)),
+        _ => false,
+    };
+    let shape = match &param.value.kind {
+        ExprKind::Vector(elements) if elements.iter().all(|e| matches!(e, Element::Item(e) if number(e))) => {
+            Shape::Vector(elements.len() as u32)
+        }
+        _ if number(&param.value) => Shape::Scalar,
+        _ => return None,
+    };
+    if shape == *value.shape() {
+        return None;
+    }
+    let message = format!("`{name}` is {shape} in the program, and is set to {}", value.shape());
+    let hint = match shape {
+        Shape::Scalar => format!("Set it to one number: `{name}=1`."),
+        _ => format!("Set all components: `{name}=[{}]`.", vec!["1"; shape.cells()].join(" ")),
+    };
+    Some(Diagnostic::error("param", message, param.span).hint(hint))
+}
+
 /// The errors of names that are read and come from nowhere, the first of them.
 fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
-    let nowhere = |(global, source): &(&Global, &Source<'_>)| {
+    let nowhere = |(global, source): &(&Global, &Source)| {
         matches!(source, Source::Nowhere)
             && global.assigned.is_none()
             && global.framed.is_none()
@@ -345,7 +478,14 @@ fn missing_inputs(program: &Resolved, bound: &Bound<'_>) -> Vec<Diagnostic> {
         .zip(&bound.sources)
         .filter(nowhere)
         .filter_map(|(global, _)| {
-            Some(absent(program, &global.name, global.read?, &bound.has, bound.missing, bound.camera_hint))
+            Some(absent(
+                program,
+                &global.name,
+                global.read?,
+                &bound.inputs.names(),
+                bound.missing,
+                bound.camera_hint,
+            ))
         })
         .take(MAX_ERRORS)
         .collect()

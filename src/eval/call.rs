@@ -5,6 +5,7 @@ use super::host_function::HostFunction;
 use super::machine::{Frame, Machine};
 use crate::builtin::{self, Builtin};
 use crate::diagnostic::{Diagnostic, Span};
+use crate::host::HostError;
 use crate::resolve::tree::*;
 use crate::value::{Mask, PixelValue, Plane, Value};
 use smallvec::SmallVec;
@@ -177,7 +178,7 @@ impl<'r> Machine<'r> {
     ) -> Result<Value> {
         let mut values = Arguments::new();
         self.arguments(args, mask, &mut values)?;
-        let failed = |machine: &Machine<'_>, why: String, lane: usize| {
+        let failed = |machine: &Machine<'_>, why: HostError, lane: usize| {
             let mut error = Diagnostic::error("call", format!("`{}()`: {why}", host.name()), span);
             for (e, value) in args.iter().zip(&values).filter(|(e, _)| !matches!(e.kind, ExprKind::Number(_)))
             {

@@ -148,7 +148,7 @@ impl<'r> Machine<'r> {
     /// How many of a variable's planes differ from lane to lane.
     fn varying(&self, place: Place) -> usize {
         if let Some((variable, _)) = self.untouched(place) {
-            return variable.planes.len();
+            return variable.shape.cells();
         }
         let slot = match place {
             Place::Global(i) => &self.globals[i as usize],

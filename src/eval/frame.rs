@@ -2,7 +2,7 @@
 
 use super::bind::{Bound, Source, bind, constant_value};
 use super::fault::Fault;
-use super::machine::Machine;
+use super::machine::{Machine, Memory};
 use super::pixels::Pixels;
 use super::print::Prints;
 use super::run::{Failure, Options};
@@ -45,7 +45,7 @@ pub fn params(
 ) -> Result<Vec<ParamInfo>, Failure> {
     let options = Options { set: Vec::new(), ..options.clone() };
     let bound = bind(program, image, None, &options)?;
-    let Frame { values, ranges, .. } = run(program, image, &options, &bound, &mut None)?;
+    let Frame { values, ranges, .. } = run(program, &options, &bound, &mut None)?;
     let params = program.params.iter().zip(ranges);
     Ok(params
         .filter_map(|(param, range)| {
@@ -58,7 +58,6 @@ pub fn params(
 /// Runs params and `if begin_frame`: the values of the frame's variables.
 pub(super) fn run(
     program: &Resolved,
-    image: &Image<'_>,
     options: &Options<'_>,
     bound: &Bound<'_>,
     tracer: &mut Option<Box<Tracer>>,
@@ -66,36 +65,41 @@ pub(super) fn run(
     if program.params.is_empty() && program.frame.is_empty() {
         return Ok(Frame { values: vec![None; program.globals.len()], ..Frame::default() });
     }
-    let [columns, rows] = image.resolution();
+    let [columns, rows] = bound.inputs.resolution();
+    let metadata = bound.inputs.metadata;
     let set = options.set_values();
     let sources = program.globals.iter().map(|global| {
         if let Some(&value) = set.get(global.name.as_str()).filter(|_| !global.library) {
             return Source::Uniform(value.clone());
         }
         if let Some(space) = space_of(&global.name) {
-            return spaces::space(space, image, options).map_or(Source::Nowhere, Source::Uniform);
+            return spaces::space(space, metadata, options).map_or(Source::Nowhere, Source::Uniform);
         }
         match (global.name.as_str(), names::constant(&global.name)) {
             (_, Some(constant)) => Source::Uniform(constant_value(constant)),
             ("frame", _) => Source::Uniform(options.frame.into()),
             ("begin_frame", _) => Source::Uniform(1.0.into()),
             ("resolution", _) => Source::Uniform([columns as f32, rows as f32].into()),
-            ("eye", _) => spaces::eye(image, options).map_or(Source::Nowhere, |e| Source::Uniform(e.into())),
+            ("eye", _) => {
+                spaces::eye(metadata, options).map_or(Source::Nowhere, |e| Source::Uniform(e.into()))
+            }
             _ => Source::Nowhere,
         }
     });
     let frame = Bound {
         sources: sources.collect(),
         neighbours: None,
-        width: 1,
-        origin: [0, 0],
-        has: bound.has.clone(),
+        size: Vec::new(),
+        steps: Default::default(),
+        staged: Vec::new(),
+        inputs: bound.inputs,
         missing: bound.missing,
         camera_hint: bound.camera_hint,
         textures: bound.textures.clone(),
         prints: Prints::default(),
     };
-    let mut machine = Machine::new(program, &frame, options.isa(), options.limits, options.cancel);
+    let mut machine =
+        Machine::new(program, &frame, options.isa(), options.limits, options.cancel, Memory::default());
     machine.printer.limit = options.prints;
     machine.printer.frame = true;
     if let Some(tracer) = tracer {

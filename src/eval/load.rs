@@ -1,9 +1,9 @@
 //! The outer variables of a batch: filled from the image when they are first looked at.
 
 use super::bind::Source;
+use super::input::InputVariable;
 use super::machine::{Machine, Slot};
 use super::pixels::{Batch, Pixels};
-use crate::image::Variable;
 use crate::resolve::tree::Place;
 
 impl<'r> Machine<'r> {
@@ -71,14 +71,17 @@ impl<'r> Machine<'r> {
 
     /// The image's variable that an outer variable still is, untouched, and the first pixel of the batch, if its
     /// pixels follow each other.
-    pub fn untouched(&self, place: Place) -> Option<(&'r Variable<'r>, usize)> {
+    pub fn untouched(&self, place: Place) -> Option<(InputVariable<'r>, usize)> {
         match (place, &self.pixels) {
             // With shadows there is more than the image holds.
             (Place::Global(i), Batch::Run(start, n))
                 if self.pending[i as usize] && *n == self.n && !self.shadowed() =>
             {
                 match &self.bound.sources[i as usize] {
-                    Source::Input(variable) => Some((variable, *start)),
+                    Source::Input(variable) => {
+                        let variable = self.bound.inputs.get(*variable);
+                        variable.is_contiguous().then_some((variable, *start))
+                    }
                     _ => None,
                 }
             }

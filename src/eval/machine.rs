@@ -118,8 +118,34 @@ pub(super) struct Machine<'r> {
     pub plans: Plans,
     /// Are such taken?
     optimize: bool,
-    /// The outer variables that are to be written; `None`: all.
-    outputs: Option<Box<[u32]>>,
+    /// The outer variables that are to be written.
+    outputs: Vec<u32>,
+    /// Whether the others need not be there when the batch is done.
+    only_outputs: bool,
+}
+
+/// What a machine keeps from one run of a program to the next: memory, and the plans of its statements.
+#[derive(Default)]
+pub(super) struct Memory {
+    globals: Vec<Slot>,
+    pending: Vec<bool>,
+    places: Vec<[f32; 2]>,
+    locals: Vec<Slot>,
+    loops: Vec<Loop>,
+    frames: Vec<Frame>,
+    calls: Vec<(u32, Span)>,
+    kept: Vec<Option<Value>>,
+    plans: Plans,
+    outputs: Vec<u32>,
+}
+
+impl Memory {
+    /// Forgets what depends on the values of the frame and on the outputs.
+    pub fn forget_plans(&mut self) {
+        self.kept.clear();
+        self.globals.clear();
+        self.plans = Plans::default();
+    }
 }
 
 impl<'r> Machine<'r> {
@@ -129,7 +155,24 @@ impl<'r> Machine<'r> {
         isa: Isa,
         limits: Limits,
         cancel: Option<&'r AtomicBool>,
+        memory: Memory,
     ) -> Machine<'r> {
+        let Memory {
+            mut globals,
+            mut pending,
+            places,
+            locals,
+            loops,
+            frames,
+            calls,
+            mut kept,
+            plans,
+            outputs,
+        } = memory;
+        globals.resize(program.globals.len(), Slot::EMPTY);
+        pending.clear();
+        pending.resize(program.globals.len(), false);
+        kept.resize(program.kept, None);
         Machine {
             program,
             bound,
@@ -139,18 +182,18 @@ impl<'r> Machine<'r> {
             n: 1,
             single: true,
             lanes_a_pixel: 1,
-            globals: vec![Slot::EMPTY; program.globals.len()],
-            pending: vec![false; program.globals.len()],
+            globals,
+            pending,
             pixels: Batch::Run(0, 0),
             sample: None,
-            places: Vec::new(),
-            locals: Vec::new(),
+            places,
+            locals,
             base: 0,
-            loops: Vec::new(),
-            frames: Vec::new(),
-            calls: Vec::new(),
+            loops,
+            frames,
+            calls,
             at: Span::default(),
-            kept: vec![None; program.kept],
+            kept,
             steps: 0,
             counts: None,
             keeping: false,
@@ -161,10 +204,36 @@ impl<'r> Machine<'r> {
             clock: None,
             tracer: None,
             printer: Printer::default(),
-            plans: Plans::default(),
+            plans,
             optimize: true,
-            outputs: None,
+            outputs,
+            only_outputs: false,
         }
+    }
+
+    /// What the next run of the program may use again.
+    pub fn into_memory(self) -> Memory {
+        let Machine {
+            mut globals,
+            pending,
+            places,
+            mut locals,
+            loops,
+            frames,
+            calls,
+            kept,
+            plans,
+            outputs,
+            ..
+        } = self;
+        // What differs from pixel to pixel goes back to where batches take it from. What is the same for the frame stays.
+        for slot in &mut globals {
+            if slot.value.as_ref().is_some_and(|value| !value.is_uniform()) {
+                *slot = Slot::EMPTY;
+            }
+        }
+        locals.clear();
+        Memory { globals, pending, places, locals, loops, frames, calls, kept, plans, outputs }
     }
 
     /// Without shorter ways for statements.
@@ -173,14 +242,16 @@ impl<'r> Machine<'r> {
     }
 
     /// Of the outer variables only these are wanted when the batch is done.
-    pub fn want(&mut self, outputs: Box<[u32]>) {
-        self.outputs = Some(outputs);
+    pub fn want(&mut self, outputs: impl Iterator<Item = u32>) {
+        self.outputs.clear();
+        self.outputs.extend(outputs);
+        self.only_outputs = true;
     }
 
     /// Is the variable wanted when the batch is done?
     pub fn wanted(&self, place: Place) -> bool {
-        match (place, &self.outputs) {
-            (Place::Global(i), Some(outputs)) => outputs.contains(&i),
+        match place {
+            Place::Global(i) if self.only_outputs => self.outputs.contains(&i),
             _ => true,
         }
     }

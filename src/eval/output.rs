@@ -1,25 +1,27 @@
 //! The output variables: their shapes over all pixels, and the planes they are written to.
 
+use super::input::Inputs;
 use super::machine::Machine;
 use super::pixels::Pixels;
 use super::run::Options;
 use crate::diagnostic::Diagnostic;
-use crate::image::{Image, Variable};
+use crate::image::Variable;
 use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::Resolved;
 use crate::shape::Shape;
 use crate::value::{Mask, Plane};
 use crate::vocabulary;
+use smallvec::SmallVec;
 
 /// A variable to write.
 #[derive(Clone)]
-pub(super) struct Output<'r> {
+pub(super) struct Output {
     pub name: String,
     /// Its slot, if the program assigns it.
     pub slot: Option<u32>,
     /// The input variable that passes through, if it does not.
-    pub input: Option<&'r Variable<'r>>,
+    pub input: Option<usize>,
     /// The shape of its planes; grows from a scalar to a vector when a pixel needs it.
     pub shape: Shape,
     /// Where a pixel is, in the display window, that has this shape.
@@ -38,7 +40,13 @@ pub(super) struct Misfit {
     pub pixel: usize,
 }
 
-impl Output<'_> {
+impl Output {
+    /// An output that is there already.
+    pub fn of_variable(variable: &Variable<'_>) -> Output {
+        let (name, shape) = (variable.name.clone(), variable.shape.clone());
+        Output { name, slot: None, input: None, shape, seen: None, kept: false }
+    }
+
     /// Does it hold a colour?
     fn is_color(&self) -> bool {
         self.name == "color"
@@ -72,28 +80,33 @@ impl Output<'_> {
     }
 }
 
-/// Writes what a batch left in the output variables to the planes, `planes[output][cell]`, at `pixels` counted
-/// from `start`. Lanes without a value are 0.
+/// Writes what a batch left in the output variables to their planes, one after the other, at `pixels` counted from
+/// `start`. Lanes without a value are 0.
 pub(super) fn write(
-    outputs: &[Output<'_>],
+    outputs: &[Output],
     machine: &Machine<'_>,
     pixels: Pixels<'_>,
     start: usize,
-    planes: &mut [Vec<&mut [f32]>],
+    planes: &mut [&mut [f32]],
 ) -> Result<(), Misfit> {
     let n = pixels.len();
+    let mut rest = planes;
     for (k, output) in outputs.iter().enumerate() {
-        let Some(slot) = output.slot.map(|i| &machine.globals[i as usize]) else {
+        let (own, others) = std::mem::take(&mut rest).split_at_mut(output.shape.cells());
+        rest = others;
+        let Some(slot) = output.slot.map(|i| &machine.globals[i as usize]) else { continue };
+        let first = slot.defined.first(n);
+        let (Some(value), Some(first)) = (&slot.value, first) else {
+            own.iter_mut()
+                .for_each(|out| put(machine.isa, &Plane::Uniform(0.0), &Mask::All, pixels, start, out));
             continue;
         };
-        let Some(value) = &slot.value else { continue };
-        let Some(first) = slot.defined.first(n) else { continue };
         let written = Output::written(&output.name, &value.shape);
         if output.join(&value.shape).as_ref() != Some(&output.shape) || !output.color_has(&value.shape) {
             return Err(Misfit { output: k, shape: value.shape.clone(), pixel: pixels.at(first) });
         }
         let opaque = Plane::Uniform(1.0);
-        for (cell, out) in planes[k].iter_mut().enumerate() {
+        for (cell, out) in own.iter_mut().enumerate() {
             let plane = if output.is_color() && cell >= written.cells() {
                 &opaque
             } else if value.shape.is_scalar() {
@@ -127,23 +140,20 @@ fn put(isa: Isa, plane: &Plane, defined: &Mask, pixels: Pixels<'_>, start: usize
         }
         (Pixels::Run(first, n), Mask::All, Plane::Uniform(x)) => out[first - start..][..n].fill(proper(*x)),
         _ => {
-            for lane in defined.lanes(n) {
-                out[pixels.at(lane) - start] = proper(plane.lane(lane));
+            for lane in 0..n {
+                let x = if defined.has(lane) { proper(plane.lane(lane)) } else { 0.0 };
+                out[pixels.at(lane) - start] = x;
             }
         }
     }
 }
 
 /// The pixels, of `n` in a row, in which some plane holds NaN or an infinity.
-pub(super) fn not_finite(planes: &[Vec<&mut [f32]>], n: usize) -> usize {
+pub(super) fn not_finite(planes: &[&[f32]], n: usize) -> usize {
     const EXPONENT: u32 = 0x7f80_0000;
     let odd = |x: &f32| x.to_bits() & EXPONENT == EXPONENT;
-    let touched: Vec<&[f32]> = planes
-        .iter()
-        .flatten()
-        .map(|p| &**p)
-        .filter(|p| p.iter().fold(false, |any, x| any | odd(x)))
-        .collect();
+    let touched: SmallVec<[&[f32]; 16]> =
+        planes.iter().copied().filter(|p| p.iter().fold(false, |any, x| any | odd(x))).collect();
     if touched.is_empty() { 0 } else { (0..n).filter(|&i| touched.iter().any(|p| odd(&p[i]))).count() }
 }
 
@@ -166,17 +176,13 @@ pub fn keeps_alpha(program: &Resolved) -> bool {
 }
 
 /// The image's alpha, if a run keeps it.
-pub(super) fn kept_alpha<'i>(
-    program: &Resolved,
-    image: &'i Image<'i>,
-    options: &Options<'_>,
-) -> Option<&'i Variable<'i>> {
+pub(super) fn kept_alpha(program: &Resolved, inputs: &Inputs<'_>, options: &Options<'_>) -> Option<usize> {
     let kept = (options.outputs.is_none() || options.keep_alpha) && keeps_alpha(program);
-    image.variable("alpha").filter(|alpha| kept && alpha.shape.is_scalar())
+    inputs.find("alpha").filter(|&alpha| kept && inputs.get(alpha).shape.is_scalar())
 }
 
 /// The error of an output that has `shape` at a pixel, and what does not go with it where it was seen before.
-pub(super) fn misfits(program: &Resolved, output: &Output<'_>, shape: &Shape) -> Diagnostic {
+pub(super) fn misfits(program: &Resolved, output: &Output, shape: &Shape) -> Diagnostic {
     let name = &output.name;
     let error = if output.color_has(shape) {
         let other = match output.seen {
@@ -207,31 +213,4 @@ pub(super) fn missing(program: &Resolved, name: &str) -> Diagnostic {
         return error.hint("The program assigns no variable at all.");
     }
     error.hint(format!("The program assigns {}.", assigned.join(", ")))
-}
-
-/// A stretch of the pixels that are run, from the one of this number on, with the outputs' planes there.
-pub(super) struct Chunk<'p> {
-    pub start: usize,
-    pub len: usize,
-    pub planes: Vec<Vec<&'p mut [f32]>>,
-}
-
-/// Cuts the planes of `total` pixels into stretches of `size`.
-pub(super) fn chunks(planes: &mut [Vec<Vec<f32>>], size: usize, total: usize) -> Vec<Chunk<'_>> {
-    let starts = (0..total).step_by(size);
-    let mut chunks: Vec<Chunk<'_>> =
-        starts.map(|at| Chunk { start: at, len: size.min(total - at), planes: Vec::new() }).collect();
-    for output in planes.iter_mut() {
-        for chunk in &mut chunks {
-            chunk.planes.push(Vec::new());
-        }
-        for plane in output.iter_mut() {
-            for (part, chunk) in plane.chunks_mut(size).zip(&mut chunks) {
-                if let Some(last) = chunk.planes.last_mut() {
-                    last.push(part);
-                }
-            }
-        }
-    }
-    chunks
 }

@@ -8,11 +8,13 @@ use super::samples::{Places, is_id};
 use crate::diagnostic::Diagnostic;
 use crate::image::Image;
 use crate::parallel::*;
+use std::sync::Mutex;
 
 impl Job<'_> {
     /// Runs the whole image with the shapes known so far: once, or for each sample.
     pub fn samples(&self) -> Result<Attempt, Failure> {
-        let Some(sampling) = self.options.sampling() else { return self.attempt() };
+        let parts = Mutex::new(Vec::new());
+        let Some(sampling) = self.options.sampling() else { return self.attempt(&parts) };
         // Where neighbours are compared they must be a pixel apart.
         let sized = |name: &str| matches!(name, "pixelsize" | "pixel_freq");
         let reads_size = self.program.globals.iter().any(|g| g.read.is_some() && sized(&g.name));
@@ -54,12 +56,13 @@ impl Job<'_> {
     /// Runs one sample of each pixel.
     fn sample_at(&self, places: Places) -> Result<Attempt, Failure> {
         let Some(resample) = self.options.resample else {
-            return Job { places: Some(places), ..self.clone() }.attempt();
+            return Job { places: Some(places), ..self.clone() }.attempt(&Mutex::default());
         };
-        let sampled = resample(self.image, &places)
-            .map_err(|message| Failure::Program(vec![Diagnostic::bare("input", message)]))?;
-        let bound: Bound<'_> = bind(self.program, self.image, Some(&sampled), self.options)?;
-        Job { places: Some(places), bound: &bound, ..self.clone() }.attempt()
+        let Some(image) = self.image else { return Err(Failure::Cancelled) };
+        let sampled = resample(image, &places)
+            .map_err(|e| Failure::Program(vec![Diagnostic::bare("input", e.message())]))?;
+        let bound: Bound<'_> = bind(self.program, image, Some(&sampled), self.options)?;
+        Job { places: Some(places), bound: &bound, ..self.clone() }.attempt(&Mutex::default())
     }
 }
 
@@ -128,7 +131,7 @@ impl Sums {
     }
 
     /// Writes the means to the outputs that the program has assigned, but ids.
-    fn finish(self, image: &mut Image<'static>, outputs: &[Output<'_>]) {
+    fn finish(self, image: &mut Image<'static>, outputs: &[Output]) {
         let samples = f64::from(self.samples);
         let mut sums = self.planes.iter().enumerate();
         for (variable, output) in image.variables.iter_mut().zip(outputs) {

@@ -1,6 +1,7 @@
 //! One pixel alone: what it gives, what it prints, and what happens on the way.
 
-use super::bind::{bind, bind_traced};
+use super::bind::{Buffers, bind, bind_inputs};
+use super::input::Inputs;
 use super::machine::Machine;
 use super::output;
 use super::pixels::Pixels;
@@ -8,7 +9,7 @@ use super::print::Prints;
 use super::run::{Failure, Options};
 use super::trace::{Trace, TraceOptions};
 use super::tracer::Tracer;
-use super::worker::Worker;
+use super::worker::{Parts, Worker};
 use crate::image::Image;
 use crate::resolve::Resolved;
 use crate::shape::Shape;
@@ -25,9 +26,9 @@ pub fn eval_pixel(
     options: &Options<'_>,
 ) -> Result<(Values, Prints), Failure> {
     let bound = bind(program, image, None, options)?;
-    let mut worker = Worker::new(program, &bound, options, program.by_normal.is_some());
+    let mut worker = Worker::new(program, &bound, options, program.by_normal.is_some(), Parts::default());
     let mut prints = bound.prints.clone();
-    let list = [pixel as u32];
+    let list = [pixel];
     let ran = worker.run(Pixels::List(&list), &mut |machine, _| {
         machine.printer.give(&mut prints);
         Ok(())
@@ -52,10 +53,11 @@ pub fn trace(
     // A plan passes statements by.
     let options = Options { no_optimize: true, samples: None, ..options.clone() };
     let mut tracer = Some(Box::new(Tracer::new(wanted)));
-    let bound = bind_traced(program, image, None, &options, &mut tracer)?;
-    let mut worker = Worker::new(program, &bound, &options, program.by_normal.is_some());
+    let inputs = Inputs::of(image);
+    let bound = bind_inputs(program, inputs, None, &options, Buffers::default(), &mut tracer)?;
+    let mut worker = Worker::new(program, &bound, &options, program.by_normal.is_some(), Parts::default());
     worker.machine.trace(tracer);
-    let list = [pixel as u32];
+    let list = [pixel];
     let ran = worker.run(Pixels::List(&list), &mut |_, _| Ok(()));
     let error = match ran.map_err(|stop| stop.failure(&bound)) {
         Ok(()) => None,
@@ -67,8 +69,8 @@ pub fn trace(
     let (events, births) = tracer.map_or_else(Default::default, |tracer| tracer.finish());
     let mut values = if error.is_none() { values(&worker.machine) } else { Vec::new() };
     let colored = values.iter().any(|(name, value)| name == "color" && *value.shape() != Shape::Vector(4));
-    if let Some(alpha) = output::kept_alpha(program, image, &options).filter(|_| colored) {
-        values.push((alpha.name.clone(), alpha.planes[0][pixel].into()));
+    if let Some(alpha) = output::kept_alpha(program, &bound.inputs, &options).filter(|_| colored) {
+        values.push(("alpha".to_string(), bound.inputs.get(alpha).plane(0).at(pixel).into()));
     }
     Ok(Trace { pixel: bound.position(pixel), events, births, values, error })
 }

@@ -8,7 +8,7 @@ pub(super) enum Pixels<'a> {
     /// The first, and how many follow each other.
     Run(usize, usize),
     /// Ascending.
-    List(&'a [u32]),
+    List(&'a [usize]),
 }
 
 impl Pixels<'_> {
@@ -23,7 +23,7 @@ impl Pixels<'_> {
     pub fn at(self, lane: usize) -> usize {
         match self {
             Pixels::Run(start, _) => start + lane,
-            Pixels::List(list) => list[lane] as usize,
+            Pixels::List(list) => list[lane],
         }
     }
 
@@ -34,7 +34,7 @@ impl Pixels<'_> {
             Pixels::Run(start, n) => out.copy_from_slice(&plane[start..start + n]),
             Pixels::List(list) => {
                 for (out, &pixel) in out.iter_mut().zip(list) {
-                    *out = plane[pixel as usize];
+                    *out = plane[pixel];
                 }
             }
         }))
@@ -54,5 +54,5 @@ impl Pixels<'_> {
 /// The like, kept.
 pub(super) enum Batch {
     Run(usize, usize),
-    List(Box<[u32]>),
+    List(Box<[usize]>),
 }

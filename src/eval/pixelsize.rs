@@ -1,30 +1,37 @@
 //! `pixelsize`: how far apart neighbouring pixels lie in the space of `point`.
 
+use super::input::Inputs;
 use super::steps::Steps;
-use crate::image::Image;
-use crate::parallel::*;
+use crate::parallel::for_rows;
 
 /// One number a pixel, by the steps of the image's points. Where they tell nothing, and for an image without `point`, it
 /// is one pixel of a unit-high image.
-pub(super) fn plane(image: &Image<'_>, steps: &Steps<'_>) -> Vec<f32> {
-    let [_, rows] = image.resolution();
+pub(super) fn measure(inputs: &Inputs<'_>, steps: &Steps<'_>, threads: bool, out: &mut Vec<f32>) {
+    let [_, rows] = inputs.resolution();
     let unit = 1.0 / rows.max(1) as f32;
-    let mut out = vec![unit; image.width * image.height];
-    out.par_chunks_mut(image.width.max(1)).enumerate().for_each(|(row, out)| {
+    out.clear();
+    out.resize(inputs.width * inputs.height, unit);
+    for_rows(threads, out, inputs.width, |row, out| {
         for (column, out) in out.iter_mut().enumerate() {
             if let Some(size) = steps.pixel_size(column, row) {
                 *out = size;
             }
         }
     });
-    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Variable;
+    use crate::image::{Image, Variable};
     use crate::shape::Shape;
+
+    fn plane(image: &Image<'_>) -> Vec<f32> {
+        let (inputs, mut staged, mut out) = (Inputs::of(image), Vec::new(), Vec::new());
+        let steps = Steps::of(&inputs, Default::default(), &mut staged, true);
+        measure(&inputs, &steps, true, &mut out);
+        out
+    }
 
     #[test]
     fn neighbours_of_the_same_surface_decide() {
@@ -43,12 +50,12 @@ mod tests {
             ],
             metadata: Default::default(),
         };
-        assert_eq!(plane(&image, &Steps::of(&image)), [1.0, 1.0, 2.0, 2.0]);
+        assert_eq!(plane(&image), [1.0, 1.0, 2.0, 2.0]);
     }
 
     #[test]
     fn without_points_a_unit_high_image() {
         let image = Image { width: 3, height: 2, ..Image::default() };
-        assert_eq!(plane(&image, &Steps::of(&image)), [0.5; 6]);
+        assert_eq!(plane(&image), [0.5; 6]);
     }
 }

@@ -1,32 +1,26 @@
 //! A program on a whole image: batches, threads, and what comes out.
 
 use super::bind::{Bound, Missing};
-use super::grid::Grid;
+use super::grid::{Grid, Window};
+use super::input::Inputs;
 use super::limits::Limits;
-use super::output::{self, Chunk, Misfit, Output};
+use super::output::{self, Misfit, Output};
 use super::pixels::Pixels;
 use super::print::Prints;
 use super::profile::Profile;
 use super::samples::{Places, Resample, Sampling};
-use super::shadow;
-use super::worker::{Stop, Worker};
-use crate::clock::Instant;
+use super::worker::{Parts, Worker};
 use crate::diagnostic::Diagnostic;
-use crate::image::{Frame, Image, Matrix4, Variable};
+use crate::image::{Frame, Image, Matrix4};
 use crate::lanes::Isa;
-use crate::parallel;
 use crate::resolve::Resolved;
 use crate::shape::Shape;
 use crate::value::PixelValue;
-use std::borrow::Cow;
 use std::collections::HashMap;
-use std::ops::Range;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-
-/// Pixels that a thread takes at a time.
-const CHUNK: usize = 4 * super::BATCH;
 
 /// More threads than this are not started, whatever is asked for: they would only wait for each other.
 pub const MAX_THREADS: usize = 256;
@@ -49,6 +43,12 @@ pub struct Progress {
     pub total: usize,
 }
 
+/// Threads of a host, on which a program is to run.
+pub trait Executor: Sync {
+    /// Calls `work` once on each thread that is to take part, at the same time or not, and returns when all calls have.
+    fn run(&self, work: &(dyn Fn() + Sync));
+}
+
 /// How to run a program.
 #[derive(Clone, Default)]
 pub struct Options<'o> {
@@ -59,6 +59,8 @@ pub struct Options<'o> {
     pub frame_number: Option<i64>,
     /// Values for params and other variables, by name.
     pub set: Vec<(String, PixelValue)>,
+    /// Images instead of those that the program looks things up in, by the name that it gives them.
+    pub textures: Vec<(String, Arc<Image<'static>>)>,
     /// `pixelsize` at every pixel, instead of what `point` tells.
     pub pixelsize: Option<f32>,
     /// Spaces by name: the matrix from the world, the space of `point`, to each. Points are columns.
@@ -75,10 +77,14 @@ pub struct Options<'o> {
     pub outputs: Option<Vec<String>>,
     /// Keep the image's `alpha` beside a `color` without one also if `outputs` are named. If they are not, it is kept.
     pub keep_alpha: bool,
-    /// Threads; `None`: as many as rayon's current pool has.
+    /// Threads; `None`: as many as rayon's current pool has. One thread is the caller's own; no other is started.
     pub threads: Option<usize>,
+    /// Runs the work on the host's own threads, instead of [`Options::threads`].
+    pub executor: Option<&'o dyn Executor>,
     /// Lanes of a batch; `None`: [`super::BATCH`]. The result is the same for all.
     pub batch: Option<usize>,
+    /// Run these columns and rows of the image alone; `None`: all that it holds. What is written has the window's size.
+    pub window: Option<Window>,
     /// Run every so many columns and rows alone, for a coarse picture soon: its pixels are those of the whole one. 0 and
     /// 1: all.
     pub every: usize,
@@ -98,8 +104,8 @@ pub struct Options<'o> {
     pub cancel: Option<&'o AtomicBool>,
     /// Measure what each statement takes, for [`Report::profile`]. That takes some time itself.
     pub profile: bool,
-    /// Called from any of the threads from time to time.
-    pub progress: Option<&'o (dyn Fn(Progress) + Sync)>,
+    /// Called from any of the threads from time to time; `ControlFlow::Break` ends the run as a cancellation.
+    pub progress: Option<&'o (dyn Fn(Progress) -> ControlFlow<()> + Sync)>,
     /// Says what is known of a variable that the image does not have, as hints to the user.
     pub missing: Option<&'o Missing<'o>>,
     /// Why the camera could not be found from the points of the image, as a hint in errors about `eye`, `I` and the
@@ -112,6 +118,11 @@ impl Options<'_> {
     pub(super) fn file_frame(&self) -> Frame {
         let frame = Frame::from(self.frame);
         Frame { number: self.frame_number.or(frame.number), ..frame }
+    }
+
+    /// Whether no thread but the caller's takes part: others might not be wanted, or are the host's.
+    pub(super) fn on_one_thread(&self) -> bool {
+        self.threads == Some(1) || self.executor.is_some()
     }
 
     pub(super) fn isa(&self) -> Isa {
@@ -164,27 +175,30 @@ pub(super) enum Attempt {
 pub(super) struct Job<'r> {
     pub program: &'r Resolved,
     pub bound: &'r Bound<'r>,
-    pub image: &'r Image<'r>,
-    /// The rows of it that are run.
-    pub rows: Range<usize>,
+    /// The image, if it is one: who samples it anew asks for it.
+    pub image: Option<&'r Image<'r>>,
+    /// The pixels of it that are run.
+    pub window: Window,
     pub options: &'r Options<'r>,
-    pub outputs: Vec<Output<'r>>,
+    pub outputs: Vec<Output>,
     pub by_normal: bool,
     /// The sample that runs, if not in the middle.
     pub places: Option<Places>,
 }
 
 impl<'r> Job<'r> {
+    /// Finds the outputs. `rows`: those that are run, of the columns that the options ask for.
     pub fn new(
         program: &'r Resolved,
         bound: &'r Bound<'r>,
-        image: &'r Image<'r>,
         rows: Range<usize>,
         options: &'r Options<'r>,
     ) -> Result<Job<'r>, Failure> {
+        let inputs = &bound.inputs;
+        let window = window(inputs, rows, options)?;
         let names = options.outputs.clone().unwrap_or_else(|| output::default_names(program));
         let mut by_normal = false;
-        let mut outputs: Vec<Output<'r>> = Vec::new();
+        let mut outputs: Vec<Output> = Vec::new();
         let mut errors = Vec::new();
         for name in names {
             if outputs.iter().any(|o| o.name == name) {
@@ -194,7 +208,7 @@ impl<'r> Job<'r> {
             let assigned = slot.filter(|&i| program.globals[i as usize].assigned.is_some());
             let shown = slot.filter(|_| name == "color" && assigned.is_none() && program.by_normal.is_some());
             by_normal |= shown.is_some();
-            let input = image.variable(&name);
+            let input = inputs.find(&name);
             let framed = slot.filter(|&i| program.globals[i as usize].framed.is_some());
             let slot = assigned.or(shown).or(framed);
             if slot.is_none() && input.is_none() {
@@ -202,17 +216,17 @@ impl<'r> Job<'r> {
                 continue;
             }
             let shape = match (slot, input) {
-                (None, Some(input)) => input.shape.clone(),
+                (None, Some(input)) => inputs.get(input).shape.clone(),
                 _ => Output::written(&name, &Shape::Scalar),
             };
             let input = input.filter(|_| slot.is_none());
             outputs.push(Output { name, slot, input, shape, seen: None, kept: false });
         }
-        if let Some(alpha) = output::kept_alpha(program, image, options)
+        if let Some(alpha) = output::kept_alpha(program, inputs, options)
             && outputs.iter().any(|o| o.name == "color")
             && outputs.iter().all(|o| o.name != "alpha")
         {
-            let (name, shape) = (alpha.name.clone(), alpha.shape.clone());
+            let (name, shape) = ("alpha".to_string(), Shape::Scalar);
             outputs.push(Output { name, slot: None, input: Some(alpha), shape, seen: None, kept: true });
         }
         if outputs.is_empty() && errors.is_empty() {
@@ -227,40 +241,53 @@ impl<'r> Job<'r> {
             });
         }
         if errors.is_empty() {
-            Ok(Job { program, bound, image, rows, options, outputs, by_normal, places: None })
+            Ok(Job { program, bound, image: None, window, options, outputs, by_normal, places: None })
         } else {
             Err(Failure::Program(errors))
         }
     }
 
+    /// A run whose outputs are known from one before.
+    pub fn of_outputs(
+        program: &'r Resolved,
+        bound: &'r Bound<'r>,
+        rows: Range<usize>,
+        options: &'r Options<'r>,
+        outputs: Vec<Output>,
+        by_normal: bool,
+    ) -> Result<Job<'r>, Failure> {
+        let window = window(&bound.inputs, rows, options)?;
+        Ok(Job { program, bound, image: None, window, options, outputs, by_normal, places: None })
+    }
+
     /// Which pixels are run.
-    fn grid(&self) -> Grid {
-        Grid::new(self.image.width, self.rows.clone(), self.options.every)
+    pub fn grid(&self) -> Grid {
+        Grid::new(self.bound.inputs.width, self.window.clone(), self.options.every)
     }
 
     /// How many pixels are run.
-    fn total(&self) -> usize {
+    pub fn total(&self) -> usize {
         self.grid().count()
     }
 
-    fn worker(&self) -> Worker<'r> {
-        let mut worker = Worker::new(self.program, self.bound, self.options, self.by_normal);
+    pub fn worker(&self, parts: Parts) -> Worker<'r> {
+        let mut worker = Worker::new(self.program, self.bound, self.options, self.by_normal, parts);
         worker.machine.sample = self.places;
         if self.places.is_some_and(|places| places.sample > 0) {
             worker.machine.printer.limit = 0;
         }
-        worker.machine.want(self.outputs.iter().filter_map(|output| output.slot).collect());
+        worker.machine.want(self.outputs.iter().filter_map(|output| output.slot));
         worker
     }
 
     /// Learns the outputs' shapes from a few pixels. What goes wrong there will go wrong again.
     pub fn sample(&mut self) {
         let total = self.total();
-        let mut worker = self.worker();
+        let mut worker = self.worker(Parts::default());
         for k in 0..SAMPLES.min(total) {
             let pixel = self.grid().pixel(k * (total - 1) / (SAMPLES - 1).max(1));
             let mut found: Vec<Option<Shape>> = Vec::new();
-            let list = [pixel as u32];
+            let list = [pixel];
             let outcome = worker.run(Pixels::List(&list), &mut |machine, _| {
                 found = self
                     .outputs
@@ -303,7 +330,7 @@ impl<'r> Job<'r> {
     }
 
     /// A picture of thousands of planes is nobody's wish, and fills the memory.
-    fn check_outputs(&self) -> Result<(), Failure> {
+    pub fn check_outputs(&self) -> Result<(), Failure> {
         match self.outputs.iter().find(|o| o.shape.cells() > MAX_PLANES) {
             None => Ok(()),
             Some(output) => {
@@ -319,161 +346,26 @@ impl<'r> Job<'r> {
             }
         }
     }
+}
 
-    /// Runs the whole image with the shapes known so far.
-    pub fn attempt(&self) -> Result<Attempt, Failure> {
-        self.check_outputs()?;
-        let (grid, total) = (self.grid(), self.total());
-        let mut planes: Vec<Vec<Vec<f32>>> = self
-            .outputs
-            .iter()
-            .map(|o| {
-                let cells = if o.slot.is_some() { o.shape.cells() } else { 0 };
-                (0..cells).map(|_| vec![0.0; total]).collect()
-            })
-            .collect();
-        let chunks = Mutex::new(output::chunks(&mut planes, CHUNK, total).into_iter());
-        let end = AtomicUsize::new(usize::MAX);
-        let stopped: Mutex<Option<Stop>> = Mutex::new(None);
-        let done = AtomicUsize::new(0);
-        let not_finite = AtomicUsize::new(0);
-        let profile = Mutex::new(Profile::new());
-        let prints = Mutex::new(Prints::default());
-        let busy = Mutex::new(Duration::ZERO);
-        let work = || {
-            let begin = Instant::now();
-            let mut worker = self.worker();
-            let mut printed = Prints::default();
-            if self.options.profile {
-                worker.machine.measure();
-            }
-            loop {
-                let next = match chunks.lock() {
-                    Ok(mut chunks) => chunks.next(),
-                    Err(_) => None,
-                };
-                let Some(mut chunk) = next.filter(|c| grid.pixel(c.start) < end.load(Ordering::Relaxed))
-                else {
-                    break;
-                };
-                if let Err(stop) = self.chunk(&mut worker, &mut chunk, &mut printed) {
-                    end.fetch_min(stop.pixel(), Ordering::Relaxed);
-                    if let Ok(mut stopped) = stopped.lock()
-                        && stopped.as_ref().is_none_or(|s| stop.pixel() < s.pixel())
-                    {
-                        *stopped = Some(stop);
-                    }
-                    continue;
-                }
-                not_finite.fetch_add(output::not_finite(&chunk.planes, chunk.len), Ordering::Relaxed);
-                let done = done.fetch_add(chunk.len, Ordering::Relaxed) + chunk.len;
-                if let Some(progress) = self.options.progress {
-                    let count = self.options.sampling().map_or(1, |s| s.count as usize);
-                    let before = self.places.map_or(0, |p| p.sample as usize) * total;
-                    progress(Progress { done: (before + done) / count, total });
-                }
-            }
-            if let Ok(mut all) = prints.lock() {
-                all.add(&printed, self.options.prints);
-            }
-            if let Ok(mut all) = profile.lock() {
-                for (statement, spent) in worker.machine.profile() {
-                    all.entry(statement).or_default().add(&spent);
-                }
-            }
-            if let Ok(mut busy) = busy.lock() {
-                *busy += begin.elapsed();
-            }
-        };
-        let threads = self.in_threads(&work)?;
-        drop(chunks);
-        match stopped.into_inner().unwrap_or_else(|e| e.into_inner()) {
-            None => {}
-            Some(Stop::Misfit(misfit)) => return Ok(Attempt::Again(misfit)),
-            Some(stop) => return Err(stop.failure(self.bound)),
+/// The pixels that are run, if the image holds them.
+fn window(inputs: &Inputs<'_>, rows: Range<usize>, options: &Options<'_>) -> Result<Window, Failure> {
+    let (columns, rows) = match &options.window {
+        None => (0..inputs.width, rows),
+        Some(window) => {
+            (window.columns.clone(), rows.start.max(window.rows.start)..rows.end.min(window.rows.end))
         }
-        let image = self.finish(planes);
-        let not_finite = not_finite.into_inner();
-        let profile = self.options.profile.then(|| profile.into_inner().unwrap_or_else(|e| e.into_inner()));
-        let time = busy.into_inner().unwrap_or_else(|e| e.into_inner()) / threads as u32;
-        let by_normal = self.by_normal;
-        let prints = prints.into_inner().unwrap_or_else(|e| e.into_inner());
-        let frame_prints = self.bound.prints.clone();
-        let report = Report { image, not_finite, by_normal, threads, time, frame_prints, prints, profile };
-        Ok(Attempt::Done(Box::new(report)))
+    };
+    let wrong = |what: &str, range: &Range<usize>, count: usize| {
+        let message = format!("the image has no {what} {} to {}: it holds {count}", range.start, range.end);
+        Failure::Program(vec![Diagnostic::bare("input", message)])
+    };
+    if columns.start > columns.end || columns.end > inputs.width {
+        return Err(wrong("columns", &columns, inputs.width));
     }
-
-    /// Runs `work` on every thread that was asked for, and says how many those are.
-    fn in_threads(&self, work: &(impl Fn() + Sync)) -> Result<usize, Failure> {
-        // A thread without a chunk has nothing to do.
-        let useful = self.total().div_ceil(CHUNK).max(1);
-        let threads = self.options.threads.unwrap_or_else(parallel::current_num_threads);
-        let threads = threads.clamp(1, useful.min(MAX_THREADS));
-        parallel::on_threads(threads, work).map_err(|e| {
-            let error = Diagnostic::bare("threads", format!("cannot start {threads} threads: {e}"));
-            Failure::Program(vec![error.hint("Use fewer threads.")])
-        })?;
-        Ok(threads)
+    if rows.end > inputs.height {
+        return Err(wrong("rows", &rows, inputs.height));
     }
-
-    fn chunk(&self, worker: &mut Worker<'r>, chunk: &mut Chunk<'_>, prints: &mut Prints) -> Result<(), Stop> {
-        let lanes = if self.program.derivatives { shadow::LANES } else { 1 };
-        let batch = (self.options.batch.unwrap_or(super::BATCH) / lanes).max(1);
-        let grid = self.grid();
-        let Chunk { start, len, planes } = chunk;
-        let (start, end) = (*start, *start + *len);
-        let mut first = start;
-        while first < end {
-            if self.options.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
-                return Err(Stop::Cancelled);
-            }
-            let n = batch.min(end - first);
-            if grid.all() {
-                worker.run(Pixels::Run(grid.pixel(first), n), &mut |machine, pixels| {
-                    machine.printer.give(prints);
-                    output::write(&self.outputs, machine, pixels, grid.pixel(start), planes)
-                })?;
-            } else {
-                let list: Vec<u32> = (first..first + n).map(|number| grid.pixel(number) as u32).collect();
-                worker.run(Pixels::List(&list), &mut |machine, pixels| {
-                    machine.printer.give(prints);
-                    let numbers: Vec<u32> =
-                        (0..pixels.len()).map(|lane| grid.number(pixels.at(lane)) as u32).collect();
-                    let written =
-                        output::write(&self.outputs, machine, Pixels::List(&numbers), start, planes);
-                    written.map_err(|misfit| Misfit { pixel: grid.pixel(misfit.pixel), ..misfit })
-                })?;
-            }
-            first += n;
-        }
-        Ok(())
-    }
-
-    fn finish(&self, planes: Vec<Vec<Vec<f32>>>) -> Image<'static> {
-        let grid = self.grid();
-        let [width, height] = grid.size();
-        // A colour of four components has brought its own alpha.
-        let opaque = |o: &Output<'_>| o.name != "color" || o.shape != Shape::Vector(4);
-        let alone = self.outputs.iter().all(opaque);
-        let variables = self
-            .outputs
-            .iter()
-            .zip(planes)
-            .filter(|(output, _)| alone || !output.kept)
-            .map(|(output, planes)| {
-                let taken = |plane: &[f32]| (0..grid.count()).map(|i| plane[grid.pixel(i)]).collect();
-                let planes = match output.input {
-                    Some(input) => input.planes.iter().map(|p| Cow::Owned(taken(p))).collect(),
-                    None => planes.into_iter().map(Cow::Owned).collect(),
-                };
-                Variable { name: output.name.clone(), shape: output.shape.clone(), planes }
-            })
-            .collect();
-        let mut metadata = self.image.metadata.clone();
-        if self.rows != (0..self.image.height) {
-            metadata.resolution = Some(self.image.resolution());
-            metadata.origin[1] += self.rows.start as i32;
-        }
-        Image { width, height, variables, metadata }
-    }
+    // Rows outside of the window are none.
+    Ok(Window { columns, rows: rows.start.min(rows.end)..rows.end })
 }

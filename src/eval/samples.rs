@@ -10,6 +10,7 @@
 //! places; samples there count as -1.)
 
 use super::run::Options;
+use crate::host::HostError;
 use crate::image::Image;
 use crate::noise::hash;
 use std::sync::LazyLock;
@@ -55,7 +56,7 @@ impl Options<'_> {
 }
 
 /// Makes variables of an image anew, as they are at a sample's places of the pixels that the image holds.
-pub type Resample<'o> = dyn Fn(&Image<'_>, &Places) -> Result<Image<'static>, String> + Sync + 'o;
+pub type Resample<'o> = dyn Fn(&Image<'_>, &Places) -> Result<Image<'static>, HostError> + Sync + 'o;
 
 /// Where a sample lies in each pixel.
 #[derive(Clone, Copy, Debug)]

@@ -9,15 +9,14 @@
 
 use super::bind::{Bound, Source, incident};
 use super::fault::Result;
+use super::input::{Inputs, Samples};
 use super::machine::{Machine, Slot};
 use super::pixels::Pixels;
 use super::steps::{Along, Steps};
-use crate::image::Image;
-use crate::parallel::*;
+use crate::parallel::for_rows;
 use crate::resolve::tree::Stmt;
 use crate::value::{Lanes, Mask, Plane, Value};
 use smallvec::smallvec;
-use std::borrow::Cow;
 
 /// Lanes of a pixel that has shadows: itself, the next column's, the next row's.
 pub(super) const LANES: usize = 3;
@@ -36,10 +35,11 @@ const COLUMN: u8 = 2;
 
 impl Neighbours {
     /// Looks for the neighbours of an image's pixels.
-    pub fn of(image: &Image<'_>, steps: &Steps<'_>) -> Neighbours {
-        let (width, height) = (image.width, image.height);
-        let mut bits = vec![0u8; width * height];
-        bits.par_chunks_mut(width.max(1)).enumerate().for_each(|(row, bits)| {
+    pub fn of(inputs: &Inputs<'_>, steps: &Steps<'_>, mut bits: Vec<u8>, threads: bool) -> Neighbours {
+        let (width, height) = (inputs.width, inputs.height);
+        bits.clear();
+        bits.resize(width * height, 0);
+        for_rows(threads, &mut bits, width, |row, bits| {
             for (column, bits) in bits.iter_mut().enumerate() {
                 let look = |along| {
                     let [after, before] = steps.line(along, column, row).sides();
@@ -51,28 +51,33 @@ impl Neighbours {
         Neighbours { bits, width }
     }
 
+    /// The memory, to be used again.
+    pub fn into_buffer(self) -> Vec<u8> {
+        self.bits
+    }
+
     /// What a plane of the image holds for the shadow of a pixel: what the neighbour after it has, or what goes on from
     /// the neighbour before it, or the pixel's own where neither counts.
     #[inline]
-    fn shadow(&self, plane: &[f32], pixel: usize, along: Along) -> f32 {
+    fn shadow(&self, plane: Samples<'_>, pixel: usize, along: Along) -> f32 {
         let (bits, step) = match along {
             Along::Row => (self.bits[pixel], 1),
             Along::Column => (self.bits[pixel] >> COLUMN, self.width),
         };
-        let here = plane[pixel];
-        if bits & AFTER != 0 && plane[pixel + step].is_finite() {
-            return plane[pixel + step];
+        let here = plane.at(pixel);
+        if bits & AFTER != 0 && plane.at(pixel + step).is_finite() {
+            return plane.at(pixel + step);
         }
-        if bits & BEFORE != 0 && plane[pixel - step].is_finite() {
-            return here + (here - plane[pixel - step]);
+        if bits & BEFORE != 0 && plane.at(pixel - step).is_finite() {
+            return here + (here - plane.at(pixel - step));
         }
         here
     }
 
     /// How far a plane goes from a pixel's middle to another place in it, by the pixel's derivatives.
     #[inline]
-    fn step(&self, plane: &[f32], pixel: usize, [x, y]: [f32; 2]) -> f32 {
-        let here = plane[pixel];
+    fn step(&self, plane: Samples<'_>, pixel: usize, [x, y]: [f32; 2]) -> f32 {
+        let here = plane.at(pixel);
         let [row, column] = [Along::Row, Along::Column].map(|along| self.shadow(plane, pixel, along) - here);
         let step = x * row + y * column;
         // Nothing is known about what lies beside an infinity.
@@ -82,17 +87,17 @@ impl Neighbours {
 
 impl Bound<'_> {
     /// What a plane of the image holds at places of these pixels.
-    pub fn moved(&self, plane: &[f32], pixels: Pixels<'_>, places: &[[f32; 2]]) -> Plane {
-        let mut out = pixels.gather(plane);
+    pub fn moved(&self, plane: &Samples<'_>, pixels: Pixels<'_>, places: &[[f32; 2]]) -> Plane {
+        let mut out = plane.gather(pixels);
         if let (Plane::Varying(lanes), Some(neighbours)) = (&mut out, &self.neighbours) {
             let lanes = lanes.get_mut(pixels.len()).iter_mut().zip(places).enumerate();
-            lanes.for_each(|(lane, (x, place))| *x += neighbours.step(plane, pixels.at(lane), *place));
+            lanes.for_each(|(lane, (x, place))| *x += neighbours.step(*plane, pixels.at(lane), *place));
         }
         out
     }
 }
 
-impl Source<'_> {
+impl Source {
     /// The variable at the beginning of a batch with shadows. They lie as far from the middle of their pixels as the
     /// pixel's own lane, so that a derivative is one over a pixel wherever a sample lies.
     pub fn shadowed_slot(&self, pixels: Pixels<'_>, bound: &Bound<'_>, places: &[[f32; 2]]) -> Slot {
@@ -100,13 +105,14 @@ impl Source<'_> {
         let value = match self {
             Source::Input(variable) | Source::Moved(variable) => match &bound.neighbours {
                 Some(neighbours) => {
-                    let plane = |plane: &Cow<'_, [f32]>| {
+                    let variable = bound.inputs.get(*variable);
+                    let plane = |plane: Samples<'_>| {
                         Plane::filled(LANES * count, |out| {
                             let (own, rest) = out.split_at_mut(count);
                             let (row, column) = rest.split_at_mut(count);
                             for lane in 0..count {
                                 let pixel = pixels.at(lane);
-                                own[lane] = plane[pixel];
+                                own[lane] = plane.at(pixel);
                                 row[lane] = neighbours.shadow(plane, pixel, Along::Row);
                                 column[lane] = neighbours.shadow(plane, pixel, Along::Column);
                                 if let (Source::Moved(_), Some(place)) = (self, places.get(lane)) {
@@ -118,7 +124,7 @@ impl Source<'_> {
                             }
                         })
                     };
-                    let planes = variable.planes.iter().map(plane).collect();
+                    let planes = variable.planes().map(plane).collect();
                     Value { shape: variable.shape.clone(), planes }
                 }
                 None => return self.slot(pixels, bound, places),
@@ -141,7 +147,7 @@ impl Source<'_> {
                 incident(&point, *eye, LANES * count)
             }
             // How the sizes of pixels change is not looked at.
-            Source::PixelSize(_) | Source::PixelFreq(_) => {
+            Source::PixelSize | Source::PixelFreq => {
                 let own = self.slot(pixels, bound, places).value.unwrap_or(Value::uniform(0.0));
                 Value::scalar(decided(&own.planes[0], count, LANES * count))
             }

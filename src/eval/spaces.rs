@@ -2,7 +2,7 @@
 
 use super::run::Options;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::image::{Attributes, Image, Matrix4, Metadata};
+use crate::image::{Attributes, Matrix4, Metadata};
 use crate::resolve::names;
 use crate::value::PixelValue;
 
@@ -14,11 +14,11 @@ const WORLD: Matrix4 =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
 /// The matrix from the world, the space of `point`, to that space: as it was set, or as the image's header has it.
-pub fn space(name: &str, image: &Image<'_>, options: &Options<'_>) -> Option<PixelValue> {
+pub fn space(name: &str, metadata: &Metadata, options: &Options<'_>) -> Option<PixelValue> {
     let set = options.spaces.iter().rev().find(|(n, _)| n == name);
     let found = || match name {
         "world" => Some(WORLD),
-        _ => of_header(name, &image.metadata.attributes),
+        _ => of_header(name, &metadata.attributes),
     };
     set.map(|(_, matrix)| *matrix).or_else(found).map(|m| PixelValue::vector(m.map(PixelValue::from)))
 }
@@ -30,10 +30,10 @@ fn of_header(name: &str, attributes: &Attributes) -> Option<Matrix4> {
 
 /// The position of the eye in the world, if the camera is known: the origin of the camera's space, or else the point that the
 /// matrix to the screen sees nowhere.
-pub fn eye(image: &Image<'_>, options: &Options<'_>) -> Option<[f32; 3]> {
+pub fn eye(metadata: &Metadata, options: &Options<'_>) -> Option<[f32; 3]> {
     let of = |name: &str| {
         let set = options.spaces.iter().rev().find(|(n, _)| n == name).map(|(_, matrix)| *matrix);
-        set.or_else(|| of_header(name, &image.metadata.attributes))
+        set.or_else(|| of_header(name, &metadata.attributes))
     };
     let camera = || of("camera").and_then(origin);
     options.eye.or_else(camera).or_else(|| of("screen").and_then(center_of_projection))
@@ -74,12 +74,12 @@ pub fn has_space(name: &str, about: &Metadata) -> bool {
 }
 
 /// The error of a space that is not known.
-pub fn unknown(name: &str, span: Span, image: &Image<'_>, options: &Options<'_>) -> Diagnostic {
+pub fn unknown(name: &str, span: Span, metadata: &Metadata, options: &Options<'_>) -> Diagnostic {
     let error = Diagnostic::error("space", format!("the space \"{name}\" is not defined"), span);
     let mut known: Vec<&str> = vec!["world"];
     known.extend(options.spaces.iter().map(|(name, _)| name.as_str()));
     let headers = ATTRIBUTES.iter().map(|(space, _)| *space);
-    known.extend(headers.filter(|space| of_header(space, &image.metadata.attributes).is_some()));
+    known.extend(headers.filter(|space| of_header(space, &metadata.attributes).is_some()));
     known.sort_unstable();
     known.dedup();
     let near = names::nearest(name, known.iter().copied()).map(|near| format!("Did you mean \"{near}\"?"));

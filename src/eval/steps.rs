@@ -5,11 +5,10 @@
 //! gap between the two parts and no change along the surface. Such a step is recognized by its length: it is several
 //! times that of the step on the other side of the pixel, or that of the step behind it.
 
-use crate::image::Image;
-use crate::parallel::*;
+use super::input::{InputVariable, Inputs};
+use crate::parallel::for_rows;
 use crate::shape::Shape;
 use smallvec::SmallVec;
-use std::borrow::Cow;
 
 /// How many pixels to each side of a pixel are looked at.
 pub const REACH: usize = 3;
@@ -54,28 +53,58 @@ pub(super) struct Steps<'i> {
     height: usize,
     surface: Option<&'i [f32]>,
     /// The planes of `point`; none if the image has none, and then no steps.
-    point: &'i [Cow<'i, [f32]>],
+    point: SmallVec<[&'i [f32]; 4]>,
     /// From each pixel to the next one of its row, and of its column.
     lengths: [Vec<f32>; 2],
 }
 
 impl<'i> Steps<'i> {
-    /// Measures the steps of an image. Without `surface`, all pixels are of one.
-    pub fn of(image: &'i Image<'_>) -> Steps<'i> {
-        let (width, height) = (image.width, image.height);
-        let surface = image.variable("surface").filter(|s| s.shape == Shape::Scalar).map(|s| &*s.planes[0]);
-        let point = image.variable("point").filter(|p| matches!(p.shape, Shape::Vector(1..)));
-        let point = point.map_or(&[][..], |point| &point.planes);
-        let mut steps = Steps { width, height, surface, point, lengths: [Vec::new(), Vec::new()] };
-        if !point.is_empty() {
-            steps.lengths = [Along::Row, Along::Column].map(|along| steps.measure(along));
+    /// Measures the steps of an image, into these buffers. Without `surface`, all pixels are of one. `staged` takes copies of
+    /// planes whose pixels do not follow one another.
+    pub fn of(
+        inputs: &Inputs<'i>,
+        lengths: [Vec<f32>; 2],
+        staged: &'i mut Vec<f32>,
+        threads: bool,
+    ) -> Steps<'i> {
+        let (width, height) = (inputs.width, inputs.height);
+        let point = inputs.iter().find(|v| v.name == "point" && matches!(v.shape, Shape::Vector(1..)));
+        let surface = inputs.iter().find(|v| v.name == "surface" && v.shape.is_scalar());
+        let both = || point.iter().chain(&surface).flat_map(InputVariable::planes);
+        let pixels = width * height;
+        let copies = both().filter(|plane| plane.contiguous().is_none()).count();
+        staged.resize(copies * pixels, 0.0);
+        let mut rest = &mut staged[..];
+        let mut planes: SmallVec<[&'i [f32]; 4]> = SmallVec::new();
+        for samples in both() {
+            planes.push(samples.contiguous().unwrap_or_else(|| {
+                let (copy, others) = std::mem::take(&mut rest).split_at_mut(pixels);
+                samples.copy(0, copy);
+                rest = others;
+                copy
+            }));
         }
+        let surface = surface.and_then(|_| planes.pop());
+        let point = planes;
+        let mut steps = Steps { width, height, surface, point, lengths: Default::default() };
+        let [mut row, mut column] = lengths;
+        if !steps.point.is_empty() {
+            steps.measure(Along::Row, threads, &mut row);
+            steps.measure(Along::Column, threads, &mut column);
+        }
+        steps.lengths = [row, column];
         steps
     }
 
-    fn measure(&self, along: Along) -> Vec<f32> {
-        let mut lengths = vec![NONE; self.width * self.height];
-        lengths.par_chunks_mut(self.width.max(1)).enumerate().for_each(|(row, lengths)| {
+    /// The buffers, to be used again.
+    pub fn into_buffers(self) -> [Vec<f32>; 2] {
+        self.lengths
+    }
+
+    fn measure(&self, along: Along, threads: bool, lengths: &mut Vec<f32>) {
+        lengths.clear();
+        lengths.resize(self.width * self.height, NONE);
+        for_rows(threads, lengths, self.width, |row, lengths| {
             let (count, stride) = match along {
                 Along::Row => (self.width - 1, 1),
                 Along::Column if row + 1 < self.height => (self.width, self.width),
@@ -90,7 +119,6 @@ impl<'i> Steps<'i> {
                 }
             }
         });
-        lengths
     }
 
     fn same_surface(&self, a: usize, b: usize) -> bool {
@@ -311,7 +339,7 @@ fn rate_at_end([step, next, third]: [f32; 3], straight: bool) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Variable;
+    use crate::image::{Image, Variable};
 
     /// An image of one row with such points, all of one surface.
     fn row(points: &[[f32; 3]]) -> Image<'static> {
@@ -321,12 +349,14 @@ mod tests {
     }
 
     fn sides(image: &Image<'_>) -> Vec<[bool; 2]> {
-        let steps = Steps::of(image);
+        let mut staged = Vec::new();
+        let steps = Steps::of(&Inputs::of(image), Default::default(), &mut staged, true);
         (0..image.width).map(|column| steps.line(Along::Row, column, 0).sides()).collect()
     }
 
     fn sizes(image: &Image<'_>) -> Vec<Option<f32>> {
-        let steps = Steps::of(image);
+        let mut staged = Vec::new();
+        let steps = Steps::of(&Inputs::of(image), Default::default(), &mut staged, true);
         (0..image.width).map(|column| steps.pixel_size(column, 0)).collect()
     }
 

@@ -39,7 +39,8 @@ impl<'o> Stream<'o> {
     /// on, and will then have as many.
     pub fn rows(&mut self, image: &Image<'_>, rows: Range<usize>) -> Result<Option<Report>, Failure> {
         let bound = bind(self.program, image, None, self.options)?;
-        let mut job = Job::new(self.program, &bound, image, rows, self.options)?;
+        let mut job = Job::new(self.program, &bound, rows, self.options)?;
+        job.image = Some(image);
         let begun = !self.shapes.is_empty();
         if begun {
             for (output, (shape, seen)) in job.outputs.iter_mut().zip(&self.shapes) {

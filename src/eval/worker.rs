@@ -2,7 +2,7 @@
 
 use super::bind::Bound;
 use super::fault::Fault;
-use super::machine::Machine;
+use super::machine::{Machine, Memory};
 use super::output::Misfit;
 use super::pixels::Pixels;
 use super::run::{Failure, Options};
@@ -42,6 +42,24 @@ impl Stop {
 pub(super) struct Worker<'r> {
     pub machine: Machine<'r>,
     by_normal: bool,
+    /// Memory for who gives it pixels.
+    pub room: Room,
+}
+
+/// Memory for the stretches that a worker runs.
+#[derive(Default)]
+pub(super) struct Room {
+    /// Planes of the outputs.
+    pub planes: Vec<f32>,
+    /// The pixels of a batch.
+    pub list: Vec<usize>,
+}
+
+/// What a worker leaves to the next run of the same program.
+#[derive(Default)]
+pub(super) struct Parts {
+    pub memory: Memory,
+    pub room: Room,
 }
 
 /// Takes what a batch left in the machine.
@@ -53,8 +71,10 @@ impl<'r> Worker<'r> {
         bound: &'r Bound<'r>,
         options: &Options<'r>,
         by_normal: bool,
+        parts: Parts,
     ) -> Worker<'r> {
-        let mut machine = Machine::new(program, bound, options.isa(), options.limits, options.cancel);
+        let Parts { memory, room } = parts;
+        let mut machine = Machine::new(program, bound, options.isa(), options.limits, options.cancel, memory);
         if options.no_optimize {
             machine.plain();
         }
@@ -63,7 +83,12 @@ impl<'r> Worker<'r> {
         if program.derivatives {
             machine.cast_shadows();
         }
-        Worker { machine, by_normal }
+        Worker { machine, by_normal, room }
+    }
+
+    /// What the next run may use again.
+    pub fn into_parts(self) -> Parts {
+        Parts { memory: self.machine.into_memory(), room: self.room }
     }
 
     fn batch(&mut self, pixels: Pixels<'_>, count: bool) -> Result<(), Fault> {
@@ -95,7 +120,7 @@ impl<'r> Worker<'r> {
 
     /// What stops a pixel before a lane: it may be wrong at a later place of the program.
     fn earlier(&mut self, pixels: Pixels<'_>, lane: usize) -> Option<Stop> {
-        let before: Vec<u32> = (0..lane).map(|i| pixels.at(i) as u32).collect();
+        let before: Vec<usize> = (0..lane).map(|i| pixels.at(i)).collect();
         self.run(Pixels::List(&before), &mut |_, _| Ok(())).err()
     }
 
@@ -108,7 +133,7 @@ impl<'r> Worker<'r> {
         let mut outcome = self.batch(pixels, false);
         if let Err(Fault::Count(lane)) = outcome {
             // Mostly it is this one. Alone it is sooner tried than the batch is run again.
-            let suspect = [pixels.at(lane) as u32];
+            let suspect = [pixels.at(lane)];
             if pixels.len() > 1
                 && let Err(stop) = self.run(Pixels::List(&suspect), &mut |_, _| Ok(()))
             {
@@ -126,8 +151,8 @@ impl<'r> Worker<'r> {
             }
             Err(Fault::Split(mask)) => {
                 let n = pixels.len();
-                let pick = |on: bool| -> Vec<u32> {
-                    (0..n).filter(|&i| mask.has(i) == on).map(|i| pixels.at(i) as u32).collect()
+                let pick = |on: bool| -> Vec<usize> {
+                    (0..n).filter(|&i| mask.has(i) == on).map(|i| pixels.at(i)).collect()
                 };
                 let (one, other) = (pick(true), pick(false));
                 if one.is_empty() || other.is_empty() {
@@ -139,7 +164,7 @@ impl<'r> Worker<'r> {
                     return self.run(Pixels::List(&other), sink);
                 };
                 // Only an earlier pixel could still change which error is told.
-                let before = other.partition_point(|&p| (p as usize) < first.pixel());
+                let before = other.partition_point(|&p| p < first.pixel());
                 match self.run(Pixels::List(&other[..before]), &mut |_, _| Ok(())) {
                     Ok(()) => Err(first),
                     earlier => earlier,

@@ -73,7 +73,14 @@ pub(super) fn follow(
             if let Some(tell) = options.progress {
                 let before = (chunk.as_ptr() as usize - seeds.as_ptr() as usize) / size_of::<Vector>();
                 let done = before * (steps + 1) + chunk.len() * (i + 1);
-                tell(Progress { done, total: seeds.len() * (steps + 1) });
+                if tell(Progress { done, total: seeds.len() * (steps + 1) }).is_break() {
+                    let error = Diagnostic::bare("cancelled", "the run was cancelled");
+                    return Err(Error {
+                        diagnostics: vec![error],
+                        sources: Sources::default(),
+                        cancelled: true,
+                    });
+                }
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Files on disk, for the command and for hosts that read their programs and textures from there.
 
-use super::Host;
+use super::{Host, HostError};
 use crate::files::{Folders, outside};
 use crate::image::{Content, Input, has_pattern, recorded};
 use crate::syntax::MAX_TEXT;
@@ -24,7 +24,7 @@ impl Disk {
         importing: &str,
         path: &str,
         open_text: &dyn Fn(&Path) -> Option<String>,
-    ) -> Result<(String, String), String> {
+    ) -> Result<(String, String), HostError> {
         let places = self.places(importing, path);
         let folders = Folders::new(self.roots(importing));
         for file in &places {
@@ -35,10 +35,10 @@ impl Disk {
             match text {
                 Ok(text) => return Ok((file.display().to_string(), text)),
                 Err(e) if e.kind() == ErrorKind::NotFound => {}
-                Err(e) => return Err(format!("{}: {}", file.display(), reason(&e))),
+                Err(e) => return Err(format!("{}: {}", file.display(), reason(&e)).into()),
             }
         }
-        Err(nowhere(&places))
+        Err(nowhere(&places).into())
     }
 
     /// The folders that a program's files lie in.
@@ -139,7 +139,7 @@ fn names_in(folder: &Path) -> Vec<String> {
 }
 
 impl Host for Disk {
-    fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
+    fn import(&self, importing: &str, path: &str) -> Result<(String, String), HostError> {
         self.find(importing, path, &|_| None)
     }
 
@@ -148,7 +148,7 @@ impl Host for Disk {
         Some(more.into())
     }
 
-    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+    fn image(&self, program: &str, name: &str) -> Result<Origin, HostError> {
         let places = self.places(program, name);
         let found = places.iter().find(|path| exists(path)).ok_or_else(|| nowhere(&places))?;
         Ok(Origin::File(Input::Confined { path: found.clone(), folders: Folders::new(self.roots(program)) }))

@@ -8,14 +8,14 @@ use exr::meta::attribute::AttributeValue;
 
 /// A value of a header attribute, of which only matrices come without OpenEXR files.
 #[cfg(not(feature = "exr"))]
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum AttributeValue {
     /// Four rows, for points that are rows.
     Matrix4x4([f32; 16]),
 }
 
 /// EXR header attributes that pass through from an input to an output, sorted by name.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attributes {
     pub(crate) list: Vec<(String, AttributeValue)>,
 }

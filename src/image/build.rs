@@ -28,6 +28,13 @@ pub enum BuildError {
     },
     /// Two variables have the same name.
     Twice(String),
+    /// No memory holds so many pixels.
+    TooLarge {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
 }
 
 impl fmt::Display for BuildError {
@@ -38,6 +45,9 @@ impl fmt::Display for BuildError {
             }
             BuildError::Pixels { name, wanted, found } => {
                 write!(f, "a plane of {name} holds {found} numbers for {wanted} pixels")
+            }
+            BuildError::TooLarge { width, height } => {
+                write!(f, "an image of {width} x {height} pixels is too large")
             }
             BuildError::Twice(name) => write!(f, "two variables are called {name}"),
         }
@@ -77,7 +87,7 @@ impl<'a> Image<'a> {
         variables: impl IntoIterator<Item = Variable<'a>>,
     ) -> Result<Image<'a>, BuildError> {
         let variables: Vec<Variable<'a>> = variables.into_iter().collect();
-        let wanted = width * height;
+        let wanted = width.checked_mul(height).ok_or(BuildError::TooLarge { width, height })?;
         for (i, variable) in variables.iter().enumerate() {
             if let Some(plane) = variable.planes.iter().find(|p| p.len() != wanted) {
                 return Err(BuildError::Pixels { name: variable.name.clone(), wanted, found: plane.len() });

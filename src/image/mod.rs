@@ -152,7 +152,7 @@ pub struct Variable<'a> {
 }
 
 /// The data of a file's header other than its channels.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Metadata {
     /// The position of the first stored pixel, from the top left of the display window; may be negative.
     pub origin: [i32; 2],

@@ -77,8 +77,8 @@ impl Gatherer<'_> {
             Err(_) if self.missing >= MAX_ERRORS => return None,
             Err(why) => {
                 self.missing += 1;
-                let error =
-                    Diagnostic::error("import", format!("cannot import \"{path}\""), span).label(span, why);
+                let error = Diagnostic::error("import", format!("cannot import \"{path}\""), span)
+                    .label(span, why.message());
                 self.errors.push(self.host.hint().into_iter().fold(error, Diagnostic::hint));
                 return None;
             }

@@ -62,7 +62,7 @@ impl Resolver<'_> {
             Ok(origin) => origin,
             Err(why) => {
                 let error = Diagnostic::error("texture", format!("cannot find the image \"{name}\""), span)
-                    .label(span, why);
+                    .label(span, why.message());
                 let known = if self.is_shown() { self.host.images(&program, &name) } else { Vec::new() };
                 let near = names::nearest(&name, known.iter().map(String::as_str));
                 let near = near.map(|near| format!("Did you mean \"{near}\"?"));

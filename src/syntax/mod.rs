@@ -28,7 +28,7 @@ pub use format::format;
 pub use hex::color as web_color;
 pub use layout::MAX_BLOCKS;
 pub use line::{MAX_BRACKETS, MAX_DEPTH};
-pub use parse::{MAX_ERRORS, MAX_TEXT, Parsed, is_incomplete, parse};
+pub use parse::{MAX_ERRORS, MAX_TEXT, Parsed, check_name, is_incomplete, parse};
 pub use token::{Lexeme, Token, lex};
 pub use walk::{parameters, parse_expression, set_source, set_span, signature};
 

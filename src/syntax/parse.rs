@@ -42,6 +42,26 @@ pub fn is_incomplete(text: &str) -> bool {
     laid.incomplete && (empty_lines < 2 || laid.open_bracket) || laid.in_block && empty_lines == 0
 }
 
+/// Checks that `name` can be a variable or a function of a program.
+///
+/// # Errors
+/// Why it cannot.
+pub fn check_name(name: &str) -> Result<(), String> {
+    let parsed = parse(SourceId::default(), &format!("{name} = 1\n"));
+    let good = match &parsed.module.body[..] {
+        [stmt] => {
+            matches!(&stmt.kind, super::ast::StmtKind::Assign { target, .. } if target.name.text == name)
+        }
+        _ => false,
+    };
+    match good && parsed.errors.is_empty() {
+        true => Ok(()),
+        false => Err(format!(
+            "`{name}` cannot be a name. A name consists of letters, digits and _, does not start with a digit, and is not a word of the language."
+        )),
+    }
+}
+
 /// A tree with all that the formatter needs beside it.
 pub(super) struct Whole {
     pub module: Module,

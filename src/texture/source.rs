@@ -54,6 +54,14 @@ impl Source {
         }
     }
 
+    /// The same look-ups in another image, in memory.
+    pub fn replaced(&self, image: &Arc<Image<'static>>) -> Source {
+        let origin = Origin::Image(Arc::clone(image));
+        let mut source = Source::new(&self.name, origin, self.channel.as_deref(), self.raw, self.layout);
+        source.needs = self.needs;
+        source
+    }
+
     /// Would both be read alike?
     pub fn same(&self, other: &Source) -> bool {
         let origin = match (&self.origin, &other.origin) {

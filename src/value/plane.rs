@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use std::cell::RefCell;
 use std::fmt;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// Lanes that are taken together; four cache lines.
 const LINE: usize = 64;
@@ -25,7 +25,7 @@ const KEPT: usize = 64 << 20;
 const ROOMY: usize = 4;
 
 /// A thin pointer: planes are moved about a lot, and by it one is 16 bytes.
-type Buffer = Rc<Box<[Line]>>;
+type Buffer = Arc<Box<[Line]>>;
 
 /// The buffers that a thread's batches have done with, and the count of those that are in use.
 struct Pool {
@@ -64,7 +64,7 @@ impl Lanes {
         // Batches with and without shadows take turns: a buffer may have some room to spare.
         let buffer = match reused {
             Some(buffer) if (lines..=ROOMY * lines).contains(&buffer.len()) => buffer,
-            _ => Rc::new(vec![Line::zeroed(); lines].into_boxed_slice()),
+            _ => Arc::new(vec![Line::zeroed(); lines].into_boxed_slice()),
         };
         POOL.with_borrow_mut(|pool| pool.live += size_of_val(&**buffer));
         Lanes { buffer: Some(buffer) }
@@ -75,7 +75,7 @@ impl Lanes {
     pub fn filled(n: usize, fill: impl FnOnce(&mut [f32])) -> Lanes {
         let mut lanes = Lanes::new(n);
         // Nobody else has seen it yet.
-        if let Some(lines) = lanes.buffer.as_mut().and_then(Rc::get_mut) {
+        if let Some(lines) = lanes.buffer.as_mut().and_then(Arc::get_mut) {
             fill(&mut bytemuck::cast_slice_mut(lines)[..n]);
         }
         lanes
@@ -104,15 +104,15 @@ impl Lanes {
 
     /// The first `n` lanes for writing; a buffer with other owners is copied first.
     pub fn get_mut(&mut self, n: usize) -> &mut [f32] {
-        let shared = self.buffer.as_mut().is_none_or(|b| Rc::get_mut(b).is_none());
+        let shared = self.buffer.as_mut().is_none_or(|b| Arc::get_mut(b).is_none());
         if shared {
             let mut copy = Lanes::new(n);
-            if let Some(Some(lines)) = copy.buffer.as_mut().map(Rc::get_mut) {
+            if let Some(Some(lines)) = copy.buffer.as_mut().map(Arc::get_mut) {
                 bytemuck::cast_slice_mut::<Line, f32>(lines)[..n].copy_from_slice(self.get(n));
             }
             *self = copy;
         }
-        match self.buffer.as_mut().and_then(Rc::get_mut) {
+        match self.buffer.as_mut().and_then(Arc::get_mut) {
             Some(lines) => &mut bytemuck::cast_slice_mut(lines)[..n],
             None => &mut [],
         }
@@ -121,7 +121,7 @@ impl Lanes {
     /// Are both the very same buffer?
     pub fn same(&self, other: &Lanes) -> bool {
         match (&self.buffer, &other.buffer) {
-            (Some(a), Some(b)) => Rc::ptr_eq(a, b),
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }
@@ -136,13 +136,14 @@ impl Clone for Lanes {
 impl Drop for Lanes {
     fn drop(&mut self) {
         if let Some(buffer) = self.buffer.take()
-            && Rc::strong_count(&buffer) == 1
+            && Arc::strong_count(&buffer) == 1
         {
             let bytes = size_of_val(&**buffer);
             // A thread that ends may drop a value after its pool is gone.
             let _ = POOL.try_with(|pool| {
                 let mut pool = pool.borrow_mut();
-                pool.live -= bytes;
+                // A value may be dropped on another thread than that which made it.
+                pool.live = pool.live.saturating_sub(bytes);
                 if pool.kept + bytes <= KEPT {
                     pool.kept += bytes;
                     pool.free.push(buffer);

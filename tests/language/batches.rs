@@ -241,11 +241,11 @@ impl Map {
 }
 
 impl Host for Map {
-    fn import(&self, _: &str, _: &str) -> Result<(String, String), String> {
+    fn import(&self, _: &str, _: &str) -> Result<(String, String), pse::HostError> {
         Err("there are no files".into())
     }
 
-    fn image(&self, _: &str, name: &str) -> Result<Origin, String> {
+    fn image(&self, _: &str, name: &str) -> Result<Origin, pse::HostError> {
         if name == "map" { Ok(Origin::Image(self.0.clone())) } else { Err("there is only `map`".into()) }
     }
 }

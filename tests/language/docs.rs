@@ -106,11 +106,11 @@ impl Files {
 }
 
 impl Host for Files {
-    fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
+    fn import(&self, importing: &str, path: &str) -> Result<(String, String), pse::HostError> {
         self.0.import(importing, path)
     }
 
-    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+    fn image(&self, program: &str, name: &str) -> Result<Origin, pse::HostError> {
         Files::images().image(program, name)
     }
 }

@@ -56,7 +56,7 @@ fn images() -> Disk {
 }
 
 impl Host for Files {
-    fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
+    fn import(&self, importing: &str, path: &str) -> Result<(String, String), pse::HostError> {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors/imports");
         match std::fs::read_to_string(folder.join(path)) {
             Ok(text) => Ok((path.into(), text)),
@@ -68,7 +68,7 @@ impl Host for Files {
         Disk::default().hint()
     }
 
-    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+    fn image(&self, program: &str, name: &str) -> Result<Origin, pse::HostError> {
         images().image(program, name)
     }
 
@@ -85,8 +85,8 @@ impl Host for Files {
 fn lamp() -> HostFunction {
     HostFunction::for_pixel("lamp", &["x"], |args| match args[0].as_scalar() {
         Some(x) if x > 0.5 => Ok(x.into()),
-        Some(x) => Err(format!("the lamp is out at {x}")),
-        None => Err(format!("a number is expected, not {}", args[0])),
+        Some(x) => Err(format!("the lamp is out at {x}").into()),
+        None => Err(format!("a number is expected, not {}", args[0]).into()),
     })
 }
 

@@ -6,6 +6,7 @@ use pse::{
     BatchResult, Compiler, Error, HostFunction, Image, PixelValue, Program, Report, RunOptions, Shape,
     Variable,
 };
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -201,7 +202,10 @@ fn a_run_can_be_cancelled() {
     assert!(error.cancelled);
     // From inside, while it runs.
     cancel.store(false, Ordering::Relaxed);
-    let stop = |_| cancel.store(true, Ordering::Relaxed);
+    let stop = |_| {
+        cancel.store(true, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
     let options = RunOptions {
         cancel: Some(&cancel),
         progress: Some(&stop),
@@ -209,6 +213,11 @@ fn a_run_can_be_cancelled() {
         ..RunOptions::default()
     };
     assert!(run_with("color = pixel.x", &blank(1000, 1000), &options).unwrap_err().cancelled);
+    let enough =
+        |p: pse::Progress| if p.done > 100_000 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let options = RunOptions { progress: Some(&enough), ..RunOptions::default() };
+    assert!(run_with("color = pixel.x", &blank(1000, 1000), &options).unwrap_err().cancelled);
+    assert!(run_with("color = pixel.x", &blank(100, 100), &options).is_ok());
 }
 
 #[test]
@@ -218,6 +227,7 @@ fn progress_reaches_the_end() {
         calls.fetch_add(1, Ordering::Relaxed);
         let mut seen = seen.lock().unwrap();
         *seen = (seen.0.max(p.done), p.total);
+        ControlFlow::Continue(())
     };
     let options = RunOptions { progress: Some(&progress), ..RunOptions::default() };
     run_with("color = white", &blank(200, 200), &options).unwrap();
@@ -230,7 +240,10 @@ fn a_host_may_add_functions_of_a_pixel() {
     let lookup = HostFunction::for_pixel("lookup", &["i", "table"], |args| {
         let i = args[0].as_scalar().ok_or("a number is expected")?;
         let table = args[1].cells();
-        table.get(i as usize).map(|&x| PixelValue::from([x, i])).ok_or_else(|| format!("nothing at {i}"))
+        table
+            .get(i as usize)
+            .map(|&x| PixelValue::from([x, i]))
+            .ok_or_else(|| format!("nothing at {i}").into())
     });
     let program = Compiler::new()
         .function(lookup)

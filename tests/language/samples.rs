@@ -160,6 +160,7 @@ fn progress_ends_at_the_end() {
     let progress = |p: pse::Progress| {
         assert_eq!(p.total, WIDTH * HEIGHT);
         most.fetch_max(p.done, Relaxed);
+        std::ops::ControlFlow::Continue(())
     };
     let options =
         RunOptions { samples: Some(Sampling::of(3)), progress: Some(&progress), ..RunOptions::default() };

@@ -262,7 +262,7 @@ fn of_many_events_the_first_and_the_last_are_kept() {
 /// The places where NaN and infinity come up: what, text, line, operands, calls.
 fn births(text: &str, image: &Image<'_>) -> Vec<String> {
     let inverse = HostFunction::for_pixel("inverse_of", &["x"], |args| {
-        args[0].as_scalar().map(|x| (1.0 / x).into()).ok_or("a scalar".to_string())
+        args[0].as_scalar().map(|x| (1.0 / x).into()).ok_or("a scalar".into())
     });
     let program =
         Compiler::new().function(inverse).compile("program", text).unwrap_or_else(|e| panic!("{e}"));

@@ -137,7 +137,7 @@ pub(super) struct Overlay<'a> {
 }
 
 impl Host for Overlay<'_> {
-    fn import(&self, importing: &str, path: &str) -> Result<(String, String), String> {
+    fn import(&self, importing: &str, path: &str) -> Result<(String, String), pse::HostError> {
         self.disk.find(importing, path, &|file| {
             let open = self.documents.values().find(|d| clean(Path::new(&d.name)) == *file);
             open.map(|document| document.text.clone())
@@ -148,7 +148,7 @@ impl Host for Overlay<'_> {
         self.disk.hint()
     }
 
-    fn image(&self, program: &str, name: &str) -> Result<Origin, String> {
+    fn image(&self, program: &str, name: &str) -> Result<Origin, pse::HostError> {
         self.disk.image(program, name)
     }
 

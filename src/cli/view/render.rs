@@ -8,6 +8,7 @@ use crate::cli::failure::Failure;
 use pse::Disk;
 use pse::internal::program::{Compiler, ParamInfo, Program, Progress, RunOptions};
 use pse::internal::resolve::tree::Resolved;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -91,12 +92,13 @@ impl Drawing {
         }
         let news = Mutex::new(Instant::now());
         let progress = |progress: Progress| {
-            let Ok(mut last) = news.try_lock() else { return };
+            let Ok(mut last) = news.try_lock() else { return ControlFlow::Continue(()) };
             if last.elapsed() > NEWS {
                 *last = Instant::now();
                 let told = serde_json::json!({"done": progress.done, "total": progress.total});
                 session.tell(&mut session.state(), "progress", &told);
             }
+            ControlFlow::Continue(())
         };
         let soon = self.took.is_some_and(|took| took <= SOON);
         let cancel = if soon { &session.late } else { &session.cancel };

@@ -319,8 +319,8 @@ impl<'m, 'r> Builder<'m, 'r> {
             return Ok(read.value.clone());
         }
         let untouched = self.machine.untouched(place);
-        if let Some((variable, _)) = untouched.filter(|(variable, _)| variable.planes.len() <= CELLS) {
-            let (first, planes) = (self.inputs.len(), variable.planes.len());
+        if let Some((variable, _)) = untouched.filter(|(variable, _)| variable.shape.cells() <= CELLS) {
+            let (first, planes) = (self.inputs.len(), variable.shape.cells());
             let variables = self.reads.len();
             self.inputs.extend((0..planes).map(|k| (variables, k)));
             let cells = (first..first + planes).map(|i| Cell::Result(self.graph.add(Op::Input(i), &[], 1)));

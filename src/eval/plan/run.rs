@@ -14,7 +14,7 @@ use crate::shape::Shape;
 use crate::value::{Lanes, Mask, Plane, Planes, Value};
 use smallvec::SmallVec;
 use std::collections::HashMap;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// Lanes of a batch that is worth a plan.
 const LEAST: usize = 32;
@@ -48,7 +48,7 @@ struct Write {
 
 #[derive(Default)]
 struct Versions {
-    plans: Vec<Rc<Plan>>,
+    plans: Vec<Arc<Plan>>,
     failures: u32,
 }
 
@@ -57,7 +57,7 @@ struct Versions {
 pub struct Plans {
     /// By the address of the first statement.
     found: HashMap<usize, Versions>,
-    reads: Option<Rc<Reads>>,
+    reads: Option<Arc<Reads>>,
     scratch: Scratch,
     gathered: Vec<Strip>,
     /// Room for the lanes of a batch.
@@ -66,7 +66,7 @@ pub struct Plans {
 
 impl<'r> Machine<'r> {
     /// The plan for the first of these statements on, for the lanes of the mask.
-    pub(in crate::eval) fn plan(&mut self, stmts: &'r [Stmt], mask: &Mask) -> Option<Rc<Plan>> {
+    pub(in crate::eval) fn plan(&mut self, stmts: &'r [Stmt], mask: &Mask) -> Option<Arc<Plan>> {
         if !self.plans_allowed() || self.n < LEAST || stmts.is_empty() {
             return None;
         }
@@ -83,7 +83,7 @@ impl<'r> Machine<'r> {
                 return None;
             }
         }
-        let plan = self.make_plan(stmts, mask).map(Rc::new);
+        let plan = self.make_plan(stmts, mask).map(Arc::new);
         let versions = self.plans.found.entry(key).or_default();
         match &plan {
             Some(plan) => versions.plans.push(plan.clone()),
@@ -104,7 +104,7 @@ impl<'r> Machine<'r> {
         self.room_for_calls(plan.calls)
             && plan.reads.iter().all(|read| {
                 if let Some((variable, _)) = self.untouched(read.place) {
-                    return variable.shape == read.value.shape
+                    return *variable.shape == read.value.shape
                         && read.value.cells.iter().all(|c| c.known().is_none());
                 }
                 let slot = self.slot(read.place);
@@ -128,7 +128,7 @@ impl<'r> Machine<'r> {
     fn make_plan(&mut self, stmts: &'r [Stmt], mask: &Mask) -> Option<Plan> {
         let reads = match &self.plans.reads {
             Some(reads) => reads.clone(),
-            None => self.plans.reads.insert(Rc::new(Reads::of_program(self.program))).clone(),
+            None => self.plans.reads.insert(Arc::new(Reads::of_program(self.program))).clone(),
         };
         let mut builder = Builder::new(self, mask, &reads);
         let count = builder.follow(stmts);
@@ -283,7 +283,8 @@ impl<'r> Machine<'r> {
 
     fn input(&self, place: Place, plane: usize) -> Option<Input<'r>> {
         if let Some((variable, start)) = self.untouched(place) {
-            return Some(Input::Image(&variable.planes[plane][start..start + self.n]));
+            let plane = variable.plane(plane).contiguous()?;
+            return Some(Input::Image(&plane[start..start + self.n]));
         }
         match self.slot_of(place).value.as_ref()?.planes.get(plane)? {
             Plane::Varying(lanes) => Some(Input::Lanes(lanes.clone())),
