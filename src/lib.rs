@@ -4,6 +4,8 @@
 
 mod assist;
 mod builtin;
+#[cfg(feature = "capi")]
+pub mod capi;
 mod clock;
 mod diagnostic;
 mod eval;

@@ -56,7 +56,7 @@ impl Strides {
     }
 
     /// Whether every component of an image lies inside of a buffer of `length` numbers.
-    pub(super) fn fits(&self, [width, height]: [usize; 2], components: usize, length: usize) -> bool {
+    pub(crate) fn fits(&self, [width, height]: [usize; 2], components: usize, length: usize) -> bool {
         if width == 0 || height == 0 || components == 0 {
             return true;
         }
@@ -73,7 +73,7 @@ impl Strides {
 
     /// The index of a component of a pixel, which [`Strides::fits`] has found inside.
     #[inline(always)]
-    pub(super) fn index(&self, column: usize, row: usize, component: usize) -> usize {
+    pub(crate) fn index(&self, column: usize, row: usize, component: usize) -> usize {
         let start = self.start as isize + row as isize * self.row;
         start as usize + column * self.pixel + component * self.component
     }
