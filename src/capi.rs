@@ -223,7 +223,11 @@ pub unsafe extern "C" fn pse_program_free(program: *mut PseProgram) {
 ///
 /// # Safety
 /// The program is null or of [`pse_compile`].
-unsafe fn listed(program: *const PseProgram, list: impl Fn(&PseProgram) -> &[CString], index: usize) -> *const c_char {
+unsafe fn listed(
+    program: *const PseProgram,
+    list: impl Fn(&PseProgram) -> &[CString],
+    index: usize,
+) -> *const c_char {
     // SAFETY: the caller's promise.
     let program = unsafe { program.as_ref() };
     program.and_then(|p| list(p).get(index)).map_or(ptr::null(), |name| name.as_ptr())
@@ -410,7 +414,8 @@ impl<'a> Checked<'a> {
                 F32 => *data.cast::<f32>().add(index) = x,
                 F16 => *data.cast::<u16>().add(index) = f16::from_f32(x).to_bits(),
                 kind => {
-                    let code = if kind == U8 || alpha { color::quantize(x, 255) as u8 } else { color::encode8(x) };
+                    let code =
+                        if kind == U8 || alpha { color::quantize(x, 255) as u8 } else { color::encode8(x) };
                     *data.cast::<u8>().add(index) = code;
                 }
             }
@@ -463,7 +468,10 @@ pub unsafe extern "C" fn pse_run(
 
 /// # Safety
 /// As [`pse_run`].
-unsafe fn checked<'a>((list, count): (*const PseBuffer, usize), what: &str) -> Result<Vec<Checked<'a>>, String> {
+unsafe fn checked<'a>(
+    (list, count): (*const PseBuffer, usize),
+    what: &str,
+) -> Result<Vec<Checked<'a>>, String> {
     if count == 0 {
         return Ok(Vec::new());
     }
@@ -490,7 +498,9 @@ unsafe fn run(
     let default = pse_options_default();
     let given = given.unwrap_or(&default);
     if given.size != default.size {
-        return Err(format!("the options have {} bytes, this library knows {}", given.size, default.size).into());
+        return Err(
+            format!("the options have {} bytes, this library knows {}", given.size, default.size).into()
+        );
     }
     // SAFETY: the caller's promise.
     let (inputs, outputs) = unsafe { (checked(inputs, "inputs")?, checked(outputs, "outputs")?) };
@@ -510,7 +520,10 @@ unsafe fn run(
         let (data, strides) = match input.buffer.kind {
             // SAFETY: it is aligned, and the caller says that it holds so many.
             F32 => unsafe {
-                (std::slice::from_raw_parts(input.buffer.data.cast::<f32>(), input.buffer.length), input.strides)
+                (
+                    std::slice::from_raw_parts(input.buffer.data.cast::<f32>(), input.buffer.length),
+                    input.strides,
+                )
             },
             _ => {
                 staged.clear();
@@ -532,7 +545,8 @@ unsafe fn run(
         let (data, strides) = match output.buffer.kind {
             // SAFETY: it is aligned, the caller says that it holds so many, and nobody else uses it.
             F32 => unsafe {
-                let data = std::slice::from_raw_parts_mut(output.buffer.data.cast::<f32>(), output.buffer.length);
+                let data =
+                    std::slice::from_raw_parts_mut(output.buffer.data.cast::<f32>(), output.buffer.length);
                 (data, output.strides)
             },
             _ => {

@@ -154,7 +154,7 @@ impl<'r> Machine<'r> {
     pub(super) fn position(&self, lane: usize) -> [i32; 2] {
         self.bound.position(match &self.pixels {
             Batch::Run(start, _) => start + lane,
-            Batch::List(list) => list[lane] as usize,
+            Batch::List(list) => list[lane],
         })
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use pse::flow::{self, Flow};
-//! use pse::host::NoFiles;
+//! use pse::NoFiles;
 //! use pse::RunOptions;
 //!
 //! // Round and round the z axis, once in 2 pi.

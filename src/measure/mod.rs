@@ -26,7 +26,7 @@
 //!     // Plane waves of half a cycle a unit along x.
 //!     let waves = section.sample(|p, out| {
 //!         for (out, x) in out.iter_mut().zip(p[0]) {
-//!             *out = pse::math::sin(std::f32::consts::PI * x);
+//!             *out = (std::f32::consts::PI * x).sin();
 //!         }
 //!     });
 //!     spectrum.add(&waves);

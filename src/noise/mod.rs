@@ -18,7 +18,7 @@
 //! A lane's result depends on its own inputs only, and is the same bits on every instruction set.
 //!
 //! ```
-//! use pse::lanes::Isa;
+//! use pse::Isa;
 //! use pse::noise::{Kind, Params};
 //!
 //! let kind = Kind::from_name("gradient").unwrap();

@@ -42,4 +42,4 @@ impl Store {
 
 /// The tiles that a look-up had last: none.
 #[derive(Debug, Default)]
-pub struct Near;
+pub struct Near(());

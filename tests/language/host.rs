@@ -106,7 +106,9 @@ fn params_are_set_from_outside() {
     let report = run_with(text, &blank(1, 1), &options).unwrap();
     assert_eq!((plane(&report, "a"), planes(&report, "b")), (vec![5.0], vec![vec![5.0], vec![10.0]]));
     // The last of several settings holds, and vectors can be set, too.
-    let set = vec![("size".into(), 5.0.into()), ("size".into(), PixelValue::from([1.0, 3.0]))];
+    let set =
+        vec![("size".into(), PixelValue::from([5.0, 5.0])), ("size".into(), PixelValue::from([1.0, 3.0]))];
+    let text = "param size = [2 2]\na = size";
     let report = run_with(text, &blank(1, 1), &RunOptions { set, ..outputs(&["a"]) }).unwrap();
     assert_eq!(planes(&report, "a"), [[1.0], [3.0]]);
 }

@@ -4,6 +4,7 @@ mod batches;
 mod derivatives;
 mod docs;
 mod editors;
+mod embedding;
 mod errors;
 mod host;
 mod paper;
