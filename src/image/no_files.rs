@@ -1,4 +1,4 @@
-//! Without the feature `files` there are no files: types that have no values stand for them, so that nothing else has to
+//! Without the feature `exr` there are no files: types that have no values stand for them, so that nothing else has to
 //! know.
 
 use super::{Binding, Image, ImageError, Mapping, Metadata};

@@ -1,11 +1,11 @@
-//! Textures in memory alone: without the feature `files` there is no temporary file for larger ones.
+//! Textures in memory alone: without the feature `exr` there is no temporary file for larger ones.
 
 use crate::image::{ErrorKind, ImageError};
 use std::sync::Arc;
 
 /// The tiles in memory: none.
 #[derive(Debug, Default)]
-pub struct Tiles;
+pub struct Tiles {}
 
 impl Tiles {
     /// How many bytes of tiles stay in memory.
@@ -21,7 +21,7 @@ impl Store {
     pub fn new(_: &Arc<Tiles>) -> Result<Store, ImageError> {
         let message = "a texture needs more memory than the limit";
         Err(ImageError::new(ErrorKind::TooLarge, message)
-            .hint("Allow more with `texture_memory`, or build with the feature `files` for temporary files."))
+            .hint("Allow more with `texture_memory`, or build with the feature `exr` for temporary files."))
     }
 
     /// Writes a tile.
