@@ -143,6 +143,7 @@ mod shape;
 #[cfg(feature = "solid")]
 pub mod solid;
 mod spelling;
+mod stack;
 mod syntax;
 mod texture;
 mod value;

@@ -9,55 +9,37 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::lanes;
 use crate::resolve::tree::*;
 use crate::shape::Shape;
+use crate::stack;
 use crate::value::{Mask, Plane, Planes, Value};
 
 /// How far a range's end may miss a whole step, so that `[0.1 .. 5.1]` has its last element.
 const RANGE_SLACK: f32 = 1e-4;
 
-/// Stack that must be left for an expression's evaluation to begin.
-#[cfg(feature = "deep")]
-const RED_ZONE: usize = 256 << 10;
-
-/// Stack that is added where less is left.
-#[cfg(feature = "deep")]
-const GROWTH: usize = 4 << 20;
-
-/// Evaluations inside of evaluations, which have to fit on a stack of one megabyte.
-#[cfg(not(feature = "deep"))]
-const MAX_EVALUATIONS: u32 = 200;
-
 impl<'r> Machine<'r> {
     /// The value of an expression in the active lanes. In the others it means nothing.
     pub fn eval(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {
-        // Every nesting, of brackets as of calls, comes through here.
-        #[cfg(feature = "deep")]
-        if stacker::remaining_stack().is_some_and(|left| left < RED_ZONE) {
-            return stacker::grow(GROWTH, || self.eval(e, mask));
+        // Every nesting of brackets and of calls comes through here, and that of blocks through `block`.
+        if stack::is_low() {
+            return stack::grow(|| self.eval(e, mask));
         }
-        #[cfg(not(feature = "deep"))]
-        self.check_nesting(e, mask)?;
+        if !self.nesting.enter(u32::MAX) {
+            return Err(self.too_deep(e.span, mask));
+        }
         let value = match self.tracer.is_some() {
             true => self.eval_traced(e, mask),
             false => self.eval_here(e, mask),
         };
-        #[cfg(not(feature = "deep"))]
-        {
-            self.nesting -= 1;
-        }
+        self.nesting.leave();
         value
     }
 
-    /// Counts one more evaluation inside of others, on a stack that does not grow.
-    #[cfg(not(feature = "deep"))]
-    fn check_nesting(&mut self, e: &Expr, mask: &Mask) -> Result<()> {
-        if self.nesting >= MAX_EVALUATIONS {
-            let message = format!("expressions and calls nest deeper than {MAX_EVALUATIONS}");
-            let error = Diagnostic::error("limit", message, e.span)
-                .hint("Built with the feature `deep`, the library has no such limit.");
-            return Err(self.fault(error, self.first(mask)));
-        }
-        self.nesting += 1;
-        Ok(())
+    /// The stack is full, and can't grow.
+    #[cold]
+    pub(super) fn too_deep(&self, span: Span, mask: &Mask) -> Fault {
+        let error =
+            Diagnostic::error("limit", "expressions, calls and blocks nest too deep for the stack", span)
+                .hint("Built with the feature `deep`, the library has no such limit: the stack grows.");
+        self.fault(error, self.first(mask))
     }
 
     pub(super) fn eval_here(&mut self, e: &'r Expr, mask: &Mask) -> Result<Value> {

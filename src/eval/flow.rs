@@ -7,11 +7,24 @@ use super::fault::Result;
 use super::machine::{Loop, Machine, Slot, blend};
 use crate::diagnostic::Diagnostic;
 use crate::resolve::tree::*;
+use crate::stack;
 use crate::value::{Mask, Value};
 
 impl<'r> Machine<'r> {
     /// Runs statements in order, as long as a lane is left.
     pub fn block(&mut self, block: &'r [Stmt], mask: &Mask) -> Result<Mask> {
+        if stack::is_low() {
+            return stack::grow(|| self.block(block, mask));
+        }
+        if !self.nesting.enter(u32::MAX) {
+            return Err(self.too_deep(self.at, mask));
+        }
+        let through = self.block_here(block, mask);
+        self.nesting.leave();
+        through
+    }
+
+    fn block_here(&mut self, block: &'r [Stmt], mask: &Mask) -> Result<Mask> {
         let mut mask = mask.clone();
         let mut rest = block;
         while let Some((stmt, after)) = rest.split_first() {

@@ -13,6 +13,7 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::lanes::Isa;
 use crate::resolve::names;
 use crate::resolve::tree::*;
+use crate::stack::Nesting;
 use crate::value::{Mask, Value, Width, live_bytes};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -101,9 +102,8 @@ pub(super) struct Machine<'r> {
     counts: Option<Vec<u32>>,
     /// In what is kept for the frame, which is the same for all lanes.
     keeping: bool,
-    /// Evaluations inside of evaluations.
-    #[cfg(not(feature = "deep"))]
-    pub nesting: u32,
+    /// Evaluations and blocks inside of others.
+    pub nesting: Nesting,
     /// How often steps were counted, to look for a cancellation now and then.
     polls: u32,
     /// Does somebody look on, the clock or the tracer?
@@ -197,8 +197,7 @@ impl<'r> Machine<'r> {
             steps: 0,
             counts: None,
             keeping: false,
-            #[cfg(not(feature = "deep"))]
-            nesting: 0,
+            nesting: Nesting::default(),
             polls: 0,
             watched: false,
             clock: None,

@@ -9,6 +9,10 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::syntax::{self, ast};
 use crate::vocabulary;
 
+/// Defaults that may be resolved for calls in other defaults. Each call has its own, so a few functions could ask for
+/// any number of them.
+const MAX_INNER_DEFAULTS: usize = 10_000;
+
 /// What a call's arguments are matched with.
 struct Signature {
     /// The function's name.
@@ -173,12 +177,48 @@ impl Resolver<'_> {
         };
         let given = self.arguments(&signature, args, span, scope)?;
         let mut outer = Scope { library, frame: scope.frame, ..Scope::default() };
-        let args = given.into_iter().zip(&function.params).filter_map(|(given, (_, default))| {
-            let given = given.and_then(|mut values| values.pop());
-            given.or_else(|| default.as_ref().map(|default| self.expr(default, &mut outer)))
-        });
-        let args = args.collect();
+        let mut args = Vec::new();
+        for (number, (given, (param, default))) in given.into_iter().zip(&function.params).enumerate() {
+            args.extend(match (given.and_then(|mut values| values.pop()), default) {
+                (Some(given), _) => Some(given),
+                (None, Some(default)) if self.begin_default((index, number), &param.text, span) => {
+                    let default = self.expr(default, &mut outer);
+                    self.defaults.pop();
+                    Some(default)
+                }
+                (None, Some(default)) => Some(Expr { kind: ExprKind::Number(0.0), span: default.span }),
+                (None, None) => None,
+            });
+        }
         Some(ExprKind::Call(index, args))
+    }
+
+    /// Whether a default can be resolved for a call; if so, it is noted as being resolved.
+    fn begin_default(&mut self, default: (u32, usize), param: &str, call: Span) -> bool {
+        const CODE: &str = "default";
+        self.inner_defaults += usize::from(!self.defaults.is_empty());
+        let error = if self.defaults.contains(&default) {
+            let message = format!("the default of `{param}` needs itself: this call leaves out `{param}`");
+            Diagnostic::error(CODE, message, call).hint(format!("Give `{param}` in this call."))
+        } else if self.inner_defaults > MAX_INNER_DEFAULTS {
+            let message = format!(
+                "calls in the defaults of parameters have more than {MAX_INNER_DEFAULTS} defaults themselves"
+            );
+            Diagnostic::error(CODE, message, call).hint(format!("Give `{param}` in this call."))
+        } else {
+            self.defaults.push(default);
+            return true;
+        };
+        // It may come up again for each call of the function.
+        let is_reported = |other: &Diagnostic| {
+            other.code == CODE
+                && (other.labels.first().is_some_and(|label| label.span == call)
+                    || other.message == error.message)
+        };
+        if !self.errors.iter().any(is_reported) {
+            self.errors.push(error);
+        }
+        false
     }
 
     fn call_builtin(

@@ -6,8 +6,12 @@ use super::scope::Scope;
 use super::tree::*;
 use super::unknown::{is_swizzle, no_component, no_swizzle, no_variable};
 use crate::diagnostic::{Diagnostic, Span};
-use crate::syntax::ast;
+use crate::stack;
+use crate::syntax::{MAX_DEPTH, ast};
 use crate::vocabulary;
+
+/// Expressions and blocks inside of others, with the defaults of calls. Later walks over the tree have no other bound.
+pub(super) const MAX_LEVELS: u32 = 2 * MAX_DEPTH;
 
 impl Resolver<'_> {
     /// A variable that is read.
@@ -84,6 +88,33 @@ impl Resolver<'_> {
     }
 
     pub fn expr(&mut self, e: &ast::Expr, scope: &mut Scope) -> Expr {
+        if stack::is_low() {
+            return stack::grow(|| self.expr(e, scope));
+        }
+        if !self.nesting.enter(MAX_LEVELS) {
+            self.too_deep(e.span);
+            return Expr { kind: ExprKind::Number(0.0), span: e.span };
+        }
+        let resolved = self.expr_here(e, scope);
+        self.nesting.leave();
+        resolved
+    }
+
+    /// Reports the first part of the program that is nested too deep.
+    pub fn too_deep(&mut self, span: Span) {
+        const CODE: &str = "nesting";
+        if self.errors.iter().any(|error| error.code == CODE) {
+            return;
+        }
+        let mut error = Diagnostic::error(CODE, "this is nested too deep", span)
+            .hint("Assign a part of it to a variable, or move a block into a function.");
+        if !self.defaults.is_empty() {
+            error = error.hint("It is in the default of a parameter, which counts in each call that leaves the argument out.");
+        }
+        self.errors.push(error);
+    }
+
+    fn expr_here(&mut self, e: &ast::Expr, scope: &mut Scope) -> Expr {
         use ast::ExprKind as Written;
         let kind = match &*e.kind {
             Written::Number(x) => ExprKind::Number(*x),

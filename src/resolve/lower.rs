@@ -1,12 +1,14 @@
 //! Statements, functions, params: from names to slots.
 
 use super::HostFunctions;
+use super::expr::MAX_LEVELS;
 use super::names;
 use super::scope::{Scope, assigned};
 use super::tree::*;
 use super::unknown::no_component;
 use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::host::Host;
+use crate::stack::{self, Nesting};
 use crate::syntax::{MAX_ERRORS, ast};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -38,6 +40,12 @@ pub(super) struct Resolver<'a> {
     pub texts: Vec<(String, Span)>,
     /// The variable that has the value of the last outer expression, if it is not to be `color` alone.
     pub value: Option<&'a str>,
+    /// Expressions and blocks inside of others.
+    pub nesting: Nesting,
+    /// The defaults that are being resolved, each for a call in the one before: function and parameter.
+    pub defaults: Vec<(u32, usize)>,
+    /// How many defaults were resolved for calls in defaults.
+    pub inner_defaults: usize,
     /// The one function that is asked, if it is not the whole program that runs.
     pub entry: Option<&'a super::Entrance>,
 }
@@ -57,6 +65,9 @@ impl<'a> Resolver<'a> {
             current: None,
             framed_calls: Vec::new(),
             texts: Vec::new(),
+            nesting: Nesting::default(),
+            defaults: Vec::new(),
+            inner_defaults: 0,
             value: None,
             entry: None,
         }
@@ -323,9 +334,18 @@ impl<'a> Resolver<'a> {
     }
 
     fn nested(&mut self, body: &[ast::Stmt], scope: &mut Scope) -> Vec<Stmt> {
+        if stack::is_low() {
+            return stack::grow(|| self.nested(body, scope));
+        }
+        let Some(first) = body.first() else { return Vec::new() };
+        if !self.nesting.enter(MAX_LEVELS) {
+            self.too_deep(first.span);
+            return Vec::new();
+        }
         scope.blocks += 1;
         let block = self.block(body, scope);
         scope.blocks -= 1;
+        self.nesting.leave();
         block
     }
 
