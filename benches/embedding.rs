@@ -10,8 +10,11 @@ use std::time::Instant;
 /// Turns of each case.
 const TURNS: usize = 41;
 
+/// A case: its name, and what is measured.
+type Case<'a> = (&'a str, Box<dyn FnMut() + 'a>);
+
 /// The median time of each case in microseconds.
-fn medians(cases: &mut [(&str, Box<dyn FnMut() + '_>)]) -> Vec<f64> {
+fn medians(cases: &mut [Case<'_>]) -> Vec<f64> {
     let mut times = vec![Vec::new(); cases.len()];
     for turn in 0..TURNS + 3 {
         for ((_, case), times) in cases.iter_mut().zip(&mut times) {
