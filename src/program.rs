@@ -364,7 +364,7 @@ impl Program {
     /// ```
     /// use pse::Program;
     ///
-    /// let program = Program::compile("color = white * Noise(point / pixelsize) * sin(PI * depth * frame)")?;
+    /// let program = Program::compile("color = white * Noise(point / pixelsize) * sin(pi * depth * frame)")?;
     /// assert_eq!(program.required_inputs(), ["point", "depth"]);
     /// # Ok::<(), pse::Error>(())
     /// ```

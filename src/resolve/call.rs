@@ -6,7 +6,7 @@ use super::tree::{Expr, ExprKind};
 use super::{library, names, print};
 use crate::builtin::{self, Builtin, Kernel, ParamKind};
 use crate::diagnostic::{Diagnostic, Span};
-use crate::syntax::{self, ast};
+use crate::syntax::{self, MAX_ERRORS, ast};
 use crate::vocabulary;
 
 /// Defaults that may be resolved for calls in other defaults. Each call has its own, so a few functions could ask for
@@ -96,7 +96,11 @@ impl Resolver<'_> {
                 self.expr(&arg.value, scope);
             }
             let error = self.unknown_function(name, args.len(), scope);
-            let error = super::unknown::about_includes(&self.sources.get(name.span.source).text, error);
+            // It looks through the whole text: not for more errors than are reported.
+            let error = match self.errors.len() < MAX_ERRORS {
+                true => super::unknown::about_includes(&self.sources.get(name.span.source).text, error),
+                false => error,
+            };
             self.errors.push(error);
             None
         };
