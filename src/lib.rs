@@ -161,8 +161,7 @@ pub use crate::image::{BuildError, Image, Metadata, Variable};
 pub use crate::lanes::Isa;
 pub use crate::program::{
     BufferView, BufferViewMut, Compiler, Error, Executor, Failure, Filter, Limits, ParamInfo, Prints,
-    Program, Progress, Report, RunOptions, RunSummary, Sampling, Session, Stream, Strides, Trace,
-    TraceOptions, Window,
+    Program, Progress, Report, RunOptions, Sampling, Session, Stream, Strides, Trace, TraceOptions, Window,
 };
 pub use crate::shape::Shape;
 pub use crate::texture::Origin;

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 pub use crate::eval::{
     BufferView, BufferViewMut, Executor, Failure, Filter, Limits, Options as RunOptions, ParamInfo, Prints,
-    Progress, Report, RunSummary, Sampling, Strides, Trace, TraceOptions, Window,
+    Progress, Report, Sampling, Strides, Trace, TraceOptions, Window,
 };
 
 /// A compiled program. It has no state: share it between threads, and run it any number of times.
@@ -472,7 +472,7 @@ impl Session {
 
     /// Runs the program on buffers of the host, columns and rows of `size`, and writes into others. A buffer of the outputs
     /// has the size of what is run: with [`RunOptions::window`] that of the window. `color` in a buffer of four
-    /// components takes the program's alpha, or that of the input, or 1.
+    /// components takes the program's alpha, or that of the input, or 1. The report has no image.
     ///
     /// # Errors
     /// As [`Program::run`]; and if a buffer is too small for its strides, or does not fit the shape of its variable. After an
@@ -483,7 +483,7 @@ impl Session {
         inputs: &[BufferView<'_>],
         outputs: &mut [BufferViewMut<'_>],
         options: &RunOptions<'_>,
-    ) -> Result<RunSummary, Error> {
+    ) -> Result<Report, Error> {
         let resolved = &self.program.resolved;
         let outcome = self.inner.run_into(resolved, size, &self.metadata, inputs, outputs, options);
         outcome.map_err(|f| self.program.error(f))

@@ -35,7 +35,7 @@ fn short(text: &str) -> Cow<'_, str> {
     format!("{first} … {last}").into()
 }
 
-/// So many lines of calls are shown from either end.
+/// Lines of calls that are shown from either end.
 const CALLS: usize = 4;
 
 /// The calls that led to the fault, a line each, innermost first. A call that repeats itself, as a

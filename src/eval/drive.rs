@@ -56,7 +56,7 @@ impl Job<'_> {
         let mut planes: Vec<Vec<f32>> = (0..count).map(|_| vec![0.0; total]).collect();
         let targets = planes.iter_mut().enumerate().map(|(i, plane)| Target::plane(i, plane)).collect();
         match self.drive(Targets::new(self.grid().size(), targets), parts) {
-            Ok(outcome) => Ok(Attempt::Done(Box::new(self.report(planes, outcome)))),
+            Ok(outcome) => Ok(Attempt::Done(Box::new(self.report(self.image_of(planes), outcome)))),
             Err(Interruption::Misfit(misfit)) => Ok(Attempt::Again(misfit)),
             Err(Interruption::Failure(failure)) => Err(failure),
         }
@@ -274,8 +274,8 @@ impl Job<'_> {
         }
     }
 
-    /// What came out, as an image with these planes.
-    fn report(&self, planes: Vec<Vec<f32>>, outcome: Outcome) -> Report {
+    /// The image of the outputs, with these planes.
+    fn image_of(&self, planes: Vec<Vec<f32>>) -> Image<'static> {
         let inputs = &self.bound.inputs;
         let [width, height] = self.grid().size();
         // A colour of four components has brought its own alpha.
@@ -295,9 +295,14 @@ impl Job<'_> {
             metadata.origin[0] += self.window.columns.start as i32;
             metadata.origin[1] += self.window.rows.start as i32;
         }
+        Image { width, height, variables, metadata }
+    }
+
+    /// The report of a run that made this image.
+    pub fn report(&self, image: Image<'static>, outcome: Outcome) -> Report {
         let Outcome { not_finite, threads, time, prints, profile } = outcome;
         Report {
-            image: Image { width, height, variables, metadata },
+            image,
             not_finite,
             by_normal: self.by_normal,
             threads,

@@ -1,4 +1,4 @@
-//! Which pixels of an image are run: those of a window, or every so many of them.
+//! Which pixels of an image are run: those of a window, or every Nth of them.
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Every so many columns and rows of the window; 0 is as good as 1.
+    /// Every Nth column and row of the window (`every`); 0 counts as 1.
     pub fn new(width: usize, window: Window, every: usize) -> Grid {
         Grid { width, window, every: every.max(1) }
     }

@@ -57,8 +57,11 @@ impl Strides {
 
     /// Whether every component of an image lies inside of a buffer of `length` numbers.
     pub(crate) fn fits(&self, [width, height]: [usize; 2], components: usize, length: usize) -> bool {
-        if width == 0 || height == 0 || components == 0 {
-            return true;
+        let numbers = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(components));
+        match numbers {
+            Some(0) => return true,
+            Some(count) if count <= isize::MAX as usize / size_of::<f32>() => {}
+            _ => return false,
         }
         let last = |count: usize, step: usize| {
             i128::try_from((count - 1) as u128 * step as u128).unwrap_or(i128::MAX)
@@ -102,7 +105,8 @@ impl<'r> Samples<'r> {
 
     /// All pixels one after another, if the buffer holds them so.
     pub fn contiguous(&self) -> Option<&'r [f32]> {
-        (self.pixel == 1 && self.row == self.width as isize).then(|| &self.data[self.start..])
+        let whole = self.pixel == 1 && self.row == self.width as isize;
+        self.data.get(self.start..).filter(|_| whole)
     }
 
     /// The number at a pixel.
@@ -205,7 +209,7 @@ impl<'r> InputVariable<'r> {
         }
     }
 
-    /// What is wrong with its planes in an image of so many pixels.
+    /// Why its planes do not fit an image of `pixels` pixels.
     fn fault(&self, pixels: usize) -> Option<String> {
         // The strides of a host's buffer were checked with its size.
         let Data::Planes(planes) = self.data else { return None };

@@ -55,7 +55,7 @@ pub use print::{Part, Printed, Prints};
 pub use profile::{Profile, Spent};
 pub use run::{Executor, Failure, MAX_THREADS, Options, Progress, Report, TEXTURE_MEMORY};
 pub use samples::{Filter, Places, Resample, Sampling};
-pub use session::{RunSummary, Session};
+pub use session::Session;
 pub use spaces::{has_space, no_eye};
 pub use steps::REACH;
 pub use stream::{Stream, run};

@@ -147,7 +147,7 @@ pub enum Failure {
 /// What came out.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// The output variables.
+    /// The output variables. Empty where the run wrote into a host's buffers.
     pub image: Image<'static>,
     /// Pixels in which some output is NaN or infinite.
     pub not_finite: usize,

@@ -3,6 +3,7 @@
 use super::bind::{Bound, Buffers, bind_inputs};
 use super::drive::Interruption;
 use super::input::{BufferView, BufferViewMut, Inputs};
+use super::limits::Limits;
 use super::output::{self, Output};
 use super::print::Prints;
 use super::run::{Attempt, Failure, Job, Options, Report};
@@ -10,7 +11,7 @@ use super::stream;
 use super::target::{Target, Targets};
 use super::worker::Parts;
 use crate::diagnostic::Diagnostic;
-use crate::image::{Image, Metadata, Variable};
+use crate::image::{Image, Matrix4, Metadata, Variable};
 use crate::lanes::Isa;
 use crate::resolve::Resolved;
 use crate::shape::Shape;
@@ -18,28 +19,6 @@ use crate::texture::Texture;
 use crate::value::PixelValue;
 use smallvec::SmallVec;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
-
-use super::limits::Limits;
-use crate::image::Matrix4;
-
-/// What is known of a run that wrote into a host's buffers.
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct RunSummary {
-    /// Pixels in which some output is NaN or infinite.
-    pub not_finite: usize,
-    /// The program gave no colour, but changed `normal`: `color` shows the surface by that normal.
-    pub by_normal: bool,
-    /// Threads that ran.
-    pub threads: usize,
-    /// How long they were at work, on an average.
-    pub time: Duration,
-    /// What runs once a frame printed.
-    pub frame_prints: Prints,
-    /// What the pixels printed.
-    pub prints: Prints,
-}
 
 /// The state between two runs of one program.
 #[derive(Default)]
@@ -163,24 +142,13 @@ impl Session {
         inputs: &[BufferView<'_>],
         outputs: &mut [BufferViewMut<'_>],
         options: &Options<'_>,
-    ) -> Result<RunSummary, Failure> {
+    ) -> Result<Report, Failure> {
         check_views(size, inputs)?;
         let inputs = Inputs::of_buffers(size, metadata, inputs);
         if options.sampling().is_some() {
             return sampled_into(program, &inputs, outputs, options);
         }
-        // The closure has them after they were looked at.
-        let mut written: SmallVec<[BufferViewMut<'_>; 4]> = outputs
-            .iter_mut()
-            .map(|o| BufferViewMut {
-                name: o.name,
-                components: o.components,
-                data: &mut *o.data,
-                strides: o.strides,
-            })
-            .collect();
-        let views = std::mem::take(&mut written);
-        self.run_with_buffers(program, inputs, options, views)
+        self.run_with_buffers(program, inputs, options, outputs)
     }
 
     fn run_with_buffers(
@@ -188,8 +156,8 @@ impl Session {
         program: &Resolved,
         inputs: Inputs<'_>,
         options: &Options<'_>,
-        mut views: SmallVec<[BufferViewMut<'_>; 4]>,
-    ) -> Result<RunSummary, Failure> {
+        views: &mut [BufferViewMut<'_>],
+    ) -> Result<Report, Failure> {
         let names: SmallVec<[BufferViewMut<'_>; 4]> = views
             .iter()
             .map(|v| BufferViewMut {
@@ -204,20 +172,11 @@ impl Session {
                 job.check_outputs()?;
                 let size = job.grid().size();
                 let mut targets = SmallVec::new();
-                for view in &mut views {
+                for view in &mut *views {
                     add_targets(&job.outputs, view, size, &mut targets)?;
                 }
                 match job.drive(Targets::new(size, targets), parts) {
-                    Ok(outcome) => {
-                        return Ok(RunSummary {
-                            not_finite: outcome.not_finite,
-                            by_normal: job.by_normal,
-                            threads: outcome.threads,
-                            time: outcome.time,
-                            frame_prints: job.bound.prints.clone(),
-                            prints: outcome.prints,
-                        });
-                    }
+                    Ok(outcome) => return Ok(job.report(Image::default(), outcome)),
                     Err(Interruption::Misfit(misfit)) => job.widen(misfit)?,
                     Err(Interruption::Failure(failure)) => return Err(failure),
                 }
@@ -325,6 +284,9 @@ fn add_targets<'p>(
             "the buffer of `{name}` has {length} numbers, too few for its strides at {width} x {height} pixels"
         ));
     }
+    if width == 0 || height == 0 {
+        return Ok(());
+    }
     let plane_of = |name: &str| {
         let at = outputs.iter().position(|o| o.name == name)?;
         Some((outputs[..at].iter().map(|o| o.shape.cells()).sum::<usize>(), &outputs[at].shape))
@@ -382,7 +344,7 @@ fn sampled_into(
     inputs: &Inputs<'_>,
     views: &mut [BufferViewMut<'_>],
     options: &Options<'_>,
-) -> Result<RunSummary, Failure> {
+) -> Result<Report, Failure> {
     let (width, height) = (inputs.width, inputs.height);
     let variable = |v: super::input::InputVariable<'_>| {
         let plane = |p: super::input::Samples<'_>| {
@@ -395,11 +357,12 @@ fn sampled_into(
     let variables = inputs.iter().map(variable).collect();
     let image = Image { width, height, variables, metadata: inputs.metadata.clone() };
     let options = options_for(program, options, views);
-    let report = stream::run(program, &image, &options)?;
-    let outputs: Vec<Output> = report.image.variables.iter().map(Output::of_variable).collect();
+    let mut report = stream::run(program, &image, &options)?;
+    let image = std::mem::take(&mut report.image);
+    let outputs: Vec<Output> = image.variables.iter().map(Output::of_variable).collect();
     let mut planes: Vec<Vec<f32>> =
-        report.image.variables.into_iter().flat_map(|v| v.planes).map(|p| p.into_owned()).collect();
-    let (size, count) = ([report.image.width, report.image.height], report.image.width * report.image.height);
+        image.variables.into_iter().flat_map(|v| v.planes).map(|p| p.into_owned()).collect();
+    let (size, count) = ([image.width, image.height], image.width * image.height);
     planes.push(vec![1.0; count]);
     let planes: Vec<&mut [f32]> = planes.iter_mut().map(|p| &mut p[..]).collect();
     for view in views {
@@ -409,12 +372,5 @@ fn sampled_into(
             stretch.pieces.iter_mut().for_each(|piece| piece.write(&planes));
         }
     }
-    Ok(RunSummary {
-        not_finite: report.not_finite,
-        by_normal: report.by_normal,
-        threads: report.threads,
-        time: report.time,
-        frame_prints: report.frame_prints,
-        prints: report.prints,
-    })
+    Ok(report)
 }

@@ -24,16 +24,13 @@ impl<'p> Target<'p> {
         Target { planes: SmallVec::from_slice(&[(number, 0)]), data, pixel: 1, row: 0, upward: false }
     }
 
-    /// A host's buffer, which [`Strides::fits`] has found large enough. `None` where its rows overlap one another.
+    /// A host's buffer of at least one pixel, which [`Strides::fits`] has found large enough. `None` where its rows overlap one another.
     pub fn buffer(
         planes: SmallVec<[(usize, usize); 4]>,
         data: &'p mut [f32],
         strides: &Strides,
         [width, height]: [usize; 2],
     ) -> Option<Target<'p>> {
-        if width == 0 || height == 0 {
-            return Some(Target { planes, data: &mut [], pixel: 1, row: 0, upward: false });
-        }
         let row = strides.row.unsigned_abs();
         let upward = strides.row < 0;
         let components = planes.iter().map(|(_, at)| at + 1).max().unwrap_or(1);
@@ -86,7 +83,7 @@ pub(super) struct Targets<'p> {
 }
 
 impl<'p> Targets<'p> {
-    /// Targets for so many columns and rows.
+    /// Targets for `size` columns and rows.
     pub fn new(size: [usize; 2], targets: SmallVec<[Target<'p>; 8]>) -> Targets<'p> {
         let linear = targets.iter().all(|target| target.is_linear(size));
         Targets { size, linear, targets, next: 0 }

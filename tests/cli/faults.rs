@@ -1,9 +1,11 @@
 //! Whatever goes wrong around a run: no panic, no half of a file under the final name, no input harmed, no more memory
 //! than allowed, and a message that says what happened. What is measured of it is in docs/reliability.md.
 
+use super::{Ended, Folder};
 use std::fs;
+use std::ops::Deref;
 use std::os::unix::process::CommandExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -11,35 +13,25 @@ mod files;
 mod memory;
 mod named;
 
-/// A folder of its own for a test.
-struct Folder(tempfile::TempDir);
+/// A folder in which lines of the shell run.
+struct Shell(Folder);
 
-/// How a command line ended.
-struct Ended {
-    code: i32,
-    err: String,
+impl Deref for Shell {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
 }
 
-impl Folder {
-    fn new() -> Folder {
-        Folder(tempfile::tempdir().expect("a temporary folder"))
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
-        fs::write(self.path(name), bytes).expect(name);
-    }
-
-    fn read(&self, name: &str) -> Vec<u8> {
-        fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+impl Shell {
+    fn new() -> Shell {
+        Shell(Folder::new())
     }
 
     /// The names of all files, sorted.
     fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).expect("a folder");
+        let entries = fs::read_dir(self.0.0.path()).expect("a folder");
         let mut names: Vec<String> =
             entries.map(|e| e.expect("a file").file_name().to_string_lossy().into_owned()).collect();
         names.sort();
@@ -50,11 +42,12 @@ impl Folder {
     fn run(&self, line: &str) -> Ended {
         let line = format!("pse() {{ \"$PSE\" \"$@\"; }}\n{line}");
         let mut command = Command::new("sh");
-        command.args(["-c", &line]).current_dir(self.0.path()).env("PSE", env!("CARGO_BIN_EXE_pse"));
+        command.args(["-c", &line]).current_dir(self.0.0.path()).env("PSE", env!("CARGO_BIN_EXE_pse"));
         let output = command.stdin(Stdio::null()).output().expect("a shell");
         let err = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(!err.contains("panicked") && !err.contains("internal error"), "{line}\n{err}");
-        Ended { code: output.status.code().unwrap_or(-1), err }
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        Ended { code: output.status.code().unwrap_or(-1), out: output.stdout, text, err }
     }
 
     fn good(&self, line: &str) -> Ended {
@@ -77,7 +70,7 @@ impl Folder {
     /// Starts the command itself, so that signals reach it.
     fn start(&self, arguments: &str, stdin: Stdio) -> Child {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pse"));
-        command.args(arguments.split_whitespace()).current_dir(self.0.path()).stdin(stdin);
+        command.args(arguments.split_whitespace()).current_dir(self.0.0.path()).stdin(stdin);
         // Whoever started the tests in the background may have had interrupts ignored, which children inherit.
         let listen = || {
             use nix::sys::signal::{SigHandler, Signal, signal};
@@ -120,7 +113,7 @@ const SLOW: &str = "i = 0\nwhile i < 60\n    i += 1 + 0 * Noise(i * point)\ncolo
 
 #[test]
 fn killed_at_any_moment() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.write("p.pse", "color = white * Noise(8 * point) + 0 * fractalsum(point)\nalpha = surface\n");
     f.good("pse scene donut -q -o g.exr --size 500x1200");
     let outputs = ["a.exr", "a.png"];
@@ -156,7 +149,7 @@ fn killed_at_any_moment() {
 
 #[test]
 fn signals_clean_up() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.write("slow.pse", SLOW);
     for name in ["INT", "TERM", "HUP"] {
         let mut child = f.start("run slow.pse --size 1000x3000 -o out.exr", Stdio::null());
@@ -179,7 +172,7 @@ fn signals_clean_up() {
 
 #[test]
 fn a_full_disk() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.write("p.pse", "color = white * Noise(99 * point)\n");
     for output in ["a.exr", "a.png", "a.tif", "a.hdr", "a.bmp", "a.webp"] {
         f.write(output, "old");
@@ -209,7 +202,7 @@ fn a_full_disk() {
 
 #[test]
 fn targets_that_cannot_be_written() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.write("kept.exr", "old");
     f.write("kept.png", "old");
     f.good("chmod 444 kept.exr kept.png; mkdir closed open.exr; chmod 555 closed");
@@ -239,7 +232,7 @@ fn targets_that_cannot_be_written() {
 
 #[test]
 fn a_closed_pipe() {
-    let f = Folder::new();
+    let f = Shell::new();
     let ended =
         f.good("{ pse run -q -e 'white * Noise(9 * point)' -o - --size 900x700; echo $? > code; } | true");
     assert_eq!((f.read("code"), ended.err.as_str()), (b"0\n".to_vec(), ""));
@@ -247,7 +240,7 @@ fn a_closed_pipe() {
 
 #[test]
 fn an_input_that_changes_while_it_is_read() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.write("point.pse", SLOW);
     f.write("color.pse", SLOW.replace("point", "color"));
     f.good("pse scene donut -q -o g.exr --size 512x6000");
@@ -276,7 +269,7 @@ fn an_input_that_changes_while_it_is_read() {
 
 #[test]
 fn a_program_reads_nothing_that_it_was_not_given() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("mkdir -p a/lib b");
     f.write("secret.pse", "function secret(p)\n    return 7\n");
     f.write("b/lib.pse", "function twice(p)\n    return 2 * p\n");
@@ -327,7 +320,7 @@ fn wait_for(child: &mut Child, seconds: u64) -> Option<i32> {
 
 #[test]
 fn one_request_ends_what_waits_for_nobody() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("mkfifo unread.exr empty.exr");
     for (name, arguments) in [
         ("TERM", "run -e white --size 64x64 -o unread.exr"),
@@ -347,7 +340,7 @@ fn one_request_ends_what_waits_for_nobody() {
 
 #[test]
 fn requests_at_any_moment_leave_nothing() {
-    let f = Folder::new();
+    let f = Shell::new();
     let long: String = (0..3000).map(|i| format!("a{i}   =  {i}\n")).collect();
     f.write("p.pse", "color = white\n");
     f.write("t.pse", "color = texture(\"t.exr\", 0, 0, channel = \"point\")\n");
@@ -386,11 +379,11 @@ fn requests_at_any_moment_leave_nothing() {
 
 #[test]
 fn signals_that_were_ignored_stay_ignored() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.write("slow.pse", SLOW);
     let mut command = Command::new("sh");
     let line = "trap '' HUP; exec \"$PSE\" run slow.pse --size 300x300 -q -o out.exr";
-    command.args(["-c", line]).current_dir(f.0.path()).env("PSE", env!("CARGO_BIN_EXE_pse"));
+    command.args(["-c", line]).current_dir(f.0.0.path()).env("PSE", env!("CARGO_BIN_EXE_pse"));
     let mut child = command.stdin(Stdio::null()).spawn().expect("a shell");
     f.wait_for_output();
     signal(&child, "HUP");

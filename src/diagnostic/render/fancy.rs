@@ -16,7 +16,7 @@ struct Report {
     related: Vec<Report>,
 }
 
-/// A text of which no more than so many bytes are shown at a place: nobody reads a line of a megabyte.
+/// A source text. Of lines longer than [`MOST`] bytes only the surroundings of the place are shown.
 struct Excerpt(String);
 
 /// Bytes of lines that are shown, and what is left of longer ones on either side of a place.

@@ -1,6 +1,6 @@
 //! Images that are damaged, lie about their size, or have an odd one.
 
-use super::{Folder, Random};
+use super::{Random, Shell};
 use crate::formats::{read_all, samples};
 use pse::image::{ErrorKind, Input, ReadOptions, read};
 
@@ -57,7 +57,7 @@ fn lying(bytes: &[u8], window: [i32; 4]) -> Vec<u8> {
 
 #[test]
 fn sizes_that_no_file_has() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("pse scene donut -q --size 20x10 -o g.exr");
     let bytes = f.read("g.exr");
     for (window, words) in [
@@ -80,7 +80,7 @@ fn sizes_that_no_file_has() {
 
 #[test]
 fn odd_sizes() {
-    let f = Folder::new();
+    let f = Shell::new();
     for (size, [width, height]) in
         [("1x1", [1, 1]), ("1000000x1", [1_000_000, 1]), ("1x1000000", [1, 1_000_000])]
     {

@@ -1,6 +1,6 @@
 //! Memory stays within what is allowed, and the same comes out.
 
-use super::Folder;
+use super::Shell;
 use pse::image::{Input, ReadOptions, read};
 
 /// Megabytes that the command says it took at most, and the rows that it had at a time.
@@ -13,7 +13,7 @@ fn told(err: &str) -> (f64, usize) {
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_is_bounded() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.write("p.pse", "color = white * Noise(8 * point) + filterwidth(point)\nn = 2 * normal\n");
     f.good("pse scene donut -q -o g.exr --size 2500x1200");
     f.good("pse run -q -e 'color = white * Noise(9 * point)' -i g.exr -o g.png");
@@ -72,7 +72,7 @@ fn with_profile(png: &[u8], length: usize) -> Vec<u8> {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_packed_profile_takes_no_memory() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("pse run -q -e '[0.2 0.4 0.6]' --scene card --size 2x2 -o one.png");
     let bomb = with_profile(&f.read("one.png"), 600 << 20);
     assert!(bomb.len() < 1 << 20);
@@ -101,7 +101,7 @@ fn a_packed_profile_takes_no_memory() {
 
 #[test]
 fn what_cannot_stream_says_so() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("pse run -q -e '[0.2 0.4 0.6]' --scene card --size 1x1 -o one.png -o one.jpg");
     f.write("two.png", interlaced(f.read("one.png")));
     let colors = ["one.png", "two.png"].map(|name| {

@@ -1,6 +1,6 @@
 //! Files that programs and other files name, which lead somewhere else or have no end.
 
-use super::Folder;
+use super::Shell;
 
 /// A line that ends soon, within 1.5 GB of address space: if it waits it is stopped, and that is a failure.
 fn soon(arguments: &str) -> String {
@@ -9,7 +9,7 @@ fn soon(arguments: &str) -> String {
 
 #[test]
 fn what_is_no_file_is_not_waited_for() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("mkfifo fifo.pse fifo.png fifo.exr; mkdir sub; mkfifo sub/t.0001.png; ln -s fifo.png link.png");
     let _socket = std::os::unix::net::UnixListener::bind(f.path("socket.png")).expect("a socket");
     let pipe = "it is a pipe, not a regular file";
@@ -33,7 +33,7 @@ fn what_is_no_file_is_not_waited_for() {
 
 #[test]
 fn links_do_not_lead_out_of_the_folders() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("mkdir -p a/sub out/deep; pse run -q -e red --size 4x4 -o out/t.png; cp out/t.png out/t.0002.png");
     f.write("out/secret.pse", "the secret words\n");
     f.write("out/lib.pse", "function lib(p)\n    return p\n");
@@ -91,7 +91,7 @@ fn links_do_not_lead_out_of_the_folders() {
 
 #[test]
 fn pipes_that_are_given_are_read_and_devices_are_not() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("pse scene card -q --size 8x8 -o g.exr; mkfifo p");
     f.good("pse run -q -e 'color = point' -i g.exr -o a.exr");
     for line in [
@@ -116,7 +116,7 @@ fn pipes_that_are_given_are_read_and_devices_are_not() {
 
 #[test]
 fn buffers_of_meshes() {
-    let f = Folder::new();
+    let f = Shell::new();
     let gltf = |uri: &str, length: usize| {
         format!(
             r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
@@ -168,7 +168,7 @@ fn claims(mut png: Vec<u8>, [width, height]: [u32; 2], bits: u8, color: u8) -> V
 
 #[test]
 fn pictures_that_would_become_large() {
-    let f = Folder::new();
+    let f = Shell::new();
     f.good("pse run -q -e black --size 1x1 -o one.png; pse run -q -e black --size 6000x6000 -o big.png");
     // Few bytes that claim many pixels, and honest ones of a single colour.
     f.write("short.png", claims(f.read("one.png"), [16384, 16384], 1, 0));
