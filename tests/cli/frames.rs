@@ -245,9 +245,9 @@ fn folders_have_no_numbers() {
         f.good(&format!("run -e white -i {folder}/g.exr --frames 1-2 -o {folder}/o.##.exr"));
         f.good(&format!("run -e color -i {folder}/o.##.exr --frames 1-2 -o {folder}/p.##.exr"));
         f.bad(2, &format!("run -e color -i {folder}/o.##.exr -o a.png"), &["needs a frame number"]);
-        f.write("p.pse", &format!("color = texture(\"{folder}/g.exr\", 0.5, 0.5, channel = \"point\")\n"));
+        f.write("p.pse", format!("color = texture(\"{folder}/g.exr\", 0.5, 0.5, channel = \"point\")\n"));
         f.good("run p.pse --size 4x4 -o a.png");
-        f.write("p.pse", &format!("color = texture(\"{folder}/o.#.exr\", 0.5, 0.5)\n"));
+        f.write("p.pse", format!("color = texture(\"{folder}/o.#.exr\", 0.5, 0.5)\n"));
         fs::copy(f.path(&format!("{folder}/o.01.exr")), f.path(&format!("{folder}/o.1.exr")))
             .expect("a copy");
         f.good("run p.pse --size 4x4 -o a.png --frame 1");

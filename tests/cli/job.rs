@@ -514,7 +514,7 @@ fn a_refused_bundle_leaves_nothing() {
     f.good("job p.pse -o new/a/b -q");
     // A list with a name that no file has.
     let list = String::from_utf8(f.read("new/a/b/pse-bundle.json")).expect("text");
-    f.write("new/a/b/pse-bundle.json", &list.replace("\"files\": {", "\"files\": {\"\\u0000\": [],"));
+    f.write("new/a/b/pse-bundle.json", list.replace("\"files\": {", "\"files\": {\"\\u0000\": [],"));
     f.untouched(1, "job p.pse -o new/a/b", &["does not list the files of a bundle"]);
 }
 

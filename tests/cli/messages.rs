@@ -211,12 +211,12 @@ fn nothing_from_a_file_reaches_the_terminal_raw() {
         &["run", "-e", "normal", "-i", "evil.exr", "--map", "normal=nothing", "-o", "a.exr"],
     );
     // A program's own text, in excerpts, strings and names of files.
-    f.write("p.pse", &format!("# {title}\u{9b}31m\ncolor = nothing + 1 # {title}{bidi}\n"));
+    f.write("p.pse", format!("# {title}\u{9b}31m\ncolor = nothing + 1 # {title}{bidi}\n"));
     let said = safe("excerpt", &["run", "p.pse", "-o", "a.exr"]).err;
     let (line, mark) = (said.find("nothing + 1").unwrap(), said.find("───").unwrap());
     let column = |at: usize| said[..at].chars().rev().take_while(|c| *c != '\n').count();
     assert_eq!(column(line), column(mark), "{said}");
-    f.write("q.pse", &format!("print(\"{title}{bidi}\")\ncolor = white\n"));
+    f.write("q.pse", format!("print(\"{title}{bidi}\")\ncolor = white\n"));
     safe("printed", &["run", "q.pse", "-o", "a.exr", "--size", "2x2"]);
     safe("tree", &["ast", "q.pse"]);
     safe("trace", &["trace", "q.pse"]);
@@ -233,9 +233,9 @@ fn nothing_from_a_file_reaches_the_terminal_raw() {
     let obj = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\ng x{title}{bidi}\nf 1 2 3\n");
     f.write("m.obj", &obj);
     safe("groups", &["info", "m.obj"]);
-    f.write("n.obj", &format!("v 0 0 {title}{bidi}\n"));
+    f.write("n.obj", format!("v 0 0 {title}{bidi}\n"));
     safe("a quoted line", &["info", "n.obj"]);
-    f.write("n.ply", &format!("ply\nformat ascii 1.0\nelement vertex {title}{bidi}\nend_header\n"));
+    f.write("n.ply", format!("ply\nformat ascii 1.0\nelement vertex {title}{bidi}\nend_header\n"));
     safe("a quoted header", &["info", "n.ply"]);
     f.write(
         "n.gltf",

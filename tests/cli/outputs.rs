@@ -25,7 +25,7 @@ fn gltf(f: &Folder, buffer: &str) {
     fs::write(f.path(buffer), bytes).expect("a file");
     f.write(
         "m.gltf",
-        &format!(
+        format!(
             r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
             "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
             "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}}],
@@ -47,7 +47,7 @@ fn what_nobody_listed_is_not_replaced() {
         &["the output `t.png` is the input", "--force"],
     );
     fs::copy(f.path("t.png"), f.path("t.exr")).expect("a copy");
-    f.write("s.pse", &SOLID.replace("t.png", "t.exr"));
+    f.write("s.pse", SOLID.replace("t.png", "t.exr"));
     // The texture, the program and its import of a solid; as a G-buffer, as a mesh, and as what another program runs on.
     f.keeps(
         "t.exr",

@@ -24,7 +24,7 @@ fn beside_the_program_then_in_the_folders_of_path() {
     plain(&f, "b/two.exr", "[3,0,0]");
     plain(&f, "b/maps/three.exr", "[4,0,0]");
     plain(&f, "outside.exr", "[5,0,0]");
-    let write = |name: &str| f.write("a/p.pse", &format!("color = texture(\"{name}\", 0.5, 0.5)\n"));
+    let write = |name: &str| f.write("a/p.pse", format!("color = texture(\"{name}\", 0.5, 0.5)\n"));
     for (name, expected) in [
         ("one.exr", 1.0),
         ("two.exr", 3.0),
@@ -93,7 +93,7 @@ fn memory_is_bounded() {
     let f = Folder::new();
     f.good("run -q -e white*Noise(0.1*pixel) -o large.exr --scene card --size 1000x800");
     let look = "texture(\"large.exr\", uv, filter = \"sat\") + texture(\"large.exr\", 2 * uv)";
-    f.write("p.pse", &format!("color = {look}\n"));
+    f.write("p.pse", format!("color = {look}\n"));
     let run = |out: &str, more: &str| {
         f.good(&format!("run p.pse --scene card --size 300x200 -o {out} --stats {more}"))
     };
