@@ -525,6 +525,7 @@ impl Stream<'_> {
 
 /// The errors of a program, as data and as text.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Error {
     /// The diagnostics, at least one, in the order of the text.
     pub diagnostics: Vec<Diagnostic>,
@@ -535,6 +536,11 @@ pub struct Error {
 }
 
 impl Error {
+    /// An error of these faults, whose places lie in `sources`.
+    pub fn new(diagnostics: Vec<Diagnostic>, sources: Sources) -> Error {
+        Error { diagnostics, sources, cancelled: false }
+    }
+
     /// Renders all messages, with the source lines and the places underlined.
     pub fn render(&self, style: Style) -> String {
         let mut sorted: Vec<&Diagnostic> = self.diagnostics.iter().collect();

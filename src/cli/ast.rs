@@ -22,7 +22,7 @@ pub(super) fn ast(args: &AstArgs) -> Result<(), Failure> {
     let id = sources.add(name, text.as_str());
     let parsed = syntax::parse(id, &text);
     if !parsed.errors.is_empty() {
-        return Err(Error { diagnostics: parsed.errors, sources, cancelled: false }.into());
+        return Err(Error::new(parsed.errors, sources).into());
     }
     print(&syntax::tree(&parsed.module))
 }

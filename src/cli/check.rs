@@ -85,7 +85,7 @@ fn one(path: &std::path::Path, folders: &[PathBuf], known: &Known) -> Result<(),
         return Ok(());
     }
     let bad = diagnostics.iter().any(|d| d.severity == Severity::Error);
-    let error = Error { diagnostics, sources: program.sources().clone(), cancelled: false };
+    let error = Error::new(diagnostics, program.sources().clone());
     if bad {
         return Err(error.into());
     }

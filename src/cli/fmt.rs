@@ -50,7 +50,7 @@ fn one(path: &Path, check: bool) -> Result<bool, Failure> {
         Err(diagnostics) => {
             let mut sources = Sources::default();
             sources.add(name, text);
-            return Err(Error { diagnostics, sources, cancelled: false }.into());
+            return Err(Error::new(diagnostics, sources).into());
         }
     };
     if check {

@@ -198,7 +198,7 @@ impl Work<'_> {
             if self.args.vars.is_some() { Vec::new() } else { misspelt_outputs(&self.plan.program) };
         if !misspelt.is_empty() {
             let sources = self.plan.program.sources().clone();
-            let warnings = Error { diagnostics: misspelt, sources, cancelled: false };
+            let warnings = Error::new(misspelt, sources);
             warn_rendered(warnings.render(style()).trim_end());
         }
         if let Some(output) = outputs.iter().find(|o| self.args.resume && !o.format.holds_stamp()) {

@@ -160,7 +160,7 @@ pub(super) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         None => Ok(()),
         Some(error) => {
             let sources = program.sources().clone();
-            Err(Error { diagnostics: vec![error], sources, cancelled: false }.into())
+            Err(Error::new(vec![error], sources).into())
         }
     }
 }

@@ -28,6 +28,7 @@ pub(super) struct Frame {
 
 /// A param as its program has it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ParamInfo {
     /// Its name.
     pub name: String,

@@ -146,6 +146,7 @@ pub enum Failure {
 
 /// What came out.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Report {
     /// The output variables. Empty where the run wrote into a host's buffers.
     pub image: Image<'static>,

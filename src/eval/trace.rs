@@ -22,6 +22,7 @@ impl Default for TraceOptions {
 
 /// What happened at one pixel, from the first statement to the last.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Trace {
     /// Column and row of the pixel in the picture.
     pub pixel: [i32; 2],

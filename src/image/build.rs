@@ -7,6 +7,7 @@ use std::fmt;
 
 /// The planes do not form an image.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum BuildError {
     /// The number of planes of a variable differs from the number of cells of its shape.
     Planes {

@@ -5,6 +5,7 @@ use std::fmt;
 
 /// The kinds of fault, for programs to match on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ErrorKind {
     /// The operating system could not open, read or write the file.
     Io(std::io::ErrorKind),
